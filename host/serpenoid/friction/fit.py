@@ -138,9 +138,8 @@ def map_estimate(session: Session) -> MapEstimate:
     """
     posterior = posterior_of(session)
     start = posterior.start(np.array(USUAL) * session.setup.weight_n / USUAL_N)
-    guided = posterior_of(session, slipping=False) if session.on_floor else posterior
-    if len(guided.numbers) < len(posterior.numbers):
-        start = guided.estimate(start).x
+    if any(kind.slips for kind in posterior.kinds):
+        start = posterior_of(session, slipping=False).estimate(start).x
     return posterior.estimate(start)
 
 

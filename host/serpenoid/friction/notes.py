@@ -12,7 +12,7 @@ from ..base.checks import count_text
 from ..base.errors import BadInput
 from ..session.session import Session, belt_note
 from .bends import BEND_ERROR
-from .parameters import Floats, Rows
+from .parameters import Rows
 from .posterior import MapEstimate
 from .result import DOUBTFUL, NO_ZERO, NOT_WEIGHED, FrictionFit
 from .stations import ZERO, ZERO_SIGMA_RAD, Stations
@@ -24,7 +24,7 @@ NEGATIVE_SIGMAS = 3.0  # distance below 0 that makes a friction an alarm
 WEAK = 0.25  # relative standard deviation of a friction that is known only roughly
 ADVISED_LAMBDA_DEG = 15.0
 # Below the first a bend is refused: sin^2 of it is no longer a number with an error but a guess.
-# Below the second, cn is biased by 3 (sigma / lambda)^2 or more, 3 %, and the fit says so.
+# Below the second cn is biased by 3 (sigma / lambda)^2 or more, 3 %, and none is advised.
 MIN_BEND_SIGMAS, SAFE_BEND_SIGMAS = 5.0, 10.0
 # Between the slowest and the fastest reading. With less the noise of the speeds alone could draw
 # the line, and no interval from a linearised fit would be honest.
@@ -35,46 +35,41 @@ READING = "reading "  # begins the names of suspects that are readings
 
 
 def check_readings(session: Session, stations: Stations, min_count: int) -> None:
-    """Raise BadInput if stations leave a friction open; least: readings that a part needs."""
-    bent, sigma = stations.bent, stations.speed_sigma_m_s
-    _check_part(session, stations.slip_m_s[~bent], min_count, "straight", (sigma, 1.0))
-    slip_m_s, posture = stations.slip_m_s[bent], stations.bends.posture[bent]
-    by_bend = [slip_m_s[posture == k] for k in range(len(stations.bends.angle_rad))]
-    span = MIN_SPAN_SIGMAS * sigma
-    if not any(len(slips) >= min_count and np.ptp(slips) >= span for slips in by_bend):
-        across = np.sin(stations.lambda_rad[bent])
-        share = float(across.max(initial=0.0))
-        _check_part(session, slip_m_s * across, min_count, "bent", (sigma * share, share))
+    """Raise BadInput if stations leave a friction open; min_count: readings that a part needs.
+
+    Speeds count along the line that they are to tell, which for bent readings is across the wheels.
+    """
     sigma_rad = session.setup.instruments.lambda_sigma_rad
-    largest = max(stations.bends.angle_rad)
-    if largest <= MIN_BEND_SIGMAS * sigma_rad:
+    advised_deg = max(ADVISED_LAMBDA_DEG, math.ceil(math.degrees(sigma_rad) * SAFE_BEND_SIGMAS))
+    across = np.where(stations.bent, np.sin(stations.lambda_rad), 1.0)
+    needed_m_s = MIN_SPAN_SIGMAS * stations.speed_sigma_m_s
+    parts = [
+        ("ct and ft0", "straight", "straight (lambda_deg = 0)"),
+        ("cn and fn0", "bent", f"with lambda_deg = {advised_deg:g}"),
+    ]
+    for names, part, pose in parts:
+        rows = stations.parts[part]
+        count, speeds_m_s = int(rows.sum()), stations.slip_m_s * across
+        span_m_s = float(np.ptp(speeds_m_s[rows]) / across[rows].mean()) if count else 0.0
+        if count < min_count or span_m_s < needed_m_s:
+            raise BadInput(
+                f"{session.where}: {names} cannot be told from {count} {part} reading(s) whose "
+                f"speeds span {span_m_s:.2g} m/s; they need at least {min_count}, {pose}, whose "
+                f"belt speeds span {needed_m_s:.2g} m/s (0.2 and 0.8 m/s, say); take more"
+            )
+    largest_rad = max(stations.bends.angle_rad)
+    if largest_rad <= MIN_BEND_SIGMAS * sigma_rad:
         raise BadInput(
             f"{session.where}: cn and fn0 cannot be told: lambda_deg is "
-            f"{math.degrees(largest):g} with a standard deviation of {math.degrees(sigma_rad):g}; "
-            f"a bend must be more than {MIN_BEND_SIGMAS:g} of these from straight; two readings "
-            f"with lambda_deg = {_advised_deg(session):g} would do it"
+            f"{math.degrees(largest_rad):g} with a standard deviation of "
+            f"{math.degrees(sigma_rad):g}; a bend must be more than {MIN_BEND_SIGMAS:g} of these "
+            f"from straight; two readings with lambda_deg = {advised_deg:g} would do it"
         )
-
-
-def bend_note(session: Session) -> str:
-    """Return how far the bend's own error biases cn; "" where it does not."""
-    sigma_rad = session.setup.instruments.lambda_sigma_rad
-    largest = max((reading.lambda_rad for reading in session.kept_stations), default=0.0)
-    if not 0.0 < largest < SAFE_BEND_SIGMAS * sigma_rad:
-        return ""
-    ratio = largest / sigma_rad
-    return (
-        f"The bend is only {ratio:.1f} of its standard deviations: cn comes out too large by about "
-        f"{3 / ratio**2:.0%} on average, until a bend of {_advised_deg(session):g} degrees is held."
-    )
 
 
 def check_floor(session: Session, estimate: MapEstimate) -> None:
     """Raise BadInput if a friction's error is as large as all the force there is on a floor."""
-    from .pushes import Pushes
-
-    pushes = session.kept_pushes
-    fast = max(track.pushed_m_s for track in Pushes.from_session(session).tracks)
+    fast = max(kind.fastest_m_s for kind in estimate.posterior.kinds)
     pairs = [
         ("ct and ft0", 0, 2, "pushes of the straight robot at 0.9 m/s, both ways, filmed"),
         ("cn and fn0", 1, 3, "pushes in the balanced bend of 42 degrees, both ways, filmed"),
@@ -94,40 +89,9 @@ def check_floor(session: Session, estimate: MapEstimate) -> None:
                 else "stay wholly open"
             )
             raise BadInput(
-                f"{session.where}: {names} cannot be told from {count_text(len(pushes), 'push')}: "
-                f"they {openness}; take {cure}"
+                f"{session.where}: {names} cannot be told from "
+                f"{count_text(len(session.kept_pushes), 'push')}: they {openness}; take {cure}"
             )
-
-
-def _advised_deg(session: Session) -> float:
-    sigma_deg = math.degrees(session.setup.instruments.lambda_sigma_rad)
-    return max(ADVISED_LAMBDA_DEG, math.ceil(sigma_deg * SAFE_BEND_SIGMAS))
-
-
-def _check_part(
-    session: Session, speed_m_s: Floats, min_count: int, part: str, unit: tuple[float, float]
-) -> None:
-    """Check readings and their speeds' span; unit: a speed's sigma and the belt's share in it."""
-    names, pose = "ct and ft0", "straight (lambda_deg = 0)"
-    if part == "bent":
-        names, pose = "cn and fn0", f"with lambda_deg = {_advised_deg(session):g}"
-    if len(speed_m_s) < min_count:
-        raise BadInput(
-            f"{session.where}: {names} cannot be told from "
-            f"{count_text(len(speed_m_s), f'{part} reading')}; "
-            f"they need at least {min_count}, {pose}, at belt speeds far apart (0.2 and 0.8 m/s, "
-            "say); take more"
-        )
-    sigma_m_s, share = unit
-    spread_m_s, needed = float(np.ptp(speed_m_s)), MIN_SPAN_SIGMAS * sigma_m_s
-    if spread_m_s < needed:
-        belt = (float(speed_m_s.min()) + 2.0 * needed) / (share or 1.0)
-        raise BadInput(
-            f"{session.where}: {names} cannot be told apart: the {part} readings' speeds along "
-            f"their line span {spread_m_s:.3g} m/s, and must span at least four standard "
-            f"deviations, {needed:.3g} m/s; a reading {pose} at another incline, with the belt "
-            f"near {belt:.2g} m/s, would do it"
-        )
 
 
 def alarms_of(
@@ -199,7 +163,7 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             "tangential friction in Eq. 61) and are too narrow."
         )
     floor = _floor_notes(session) if session.on_floor else []
-    return tuple(filter(None, [*notes, belt_note(session), bend_note(session), *floor]))
+    return tuple(filter(None, [*notes, belt_note(session), *floor]))
 
 
 def _weak_notes(fit: FrictionFit) -> list[str]:
@@ -330,29 +294,16 @@ def _suspects_in_words(estimate: MapEstimate, refits: Mapping[str, MapEstimate |
     """
     sound = {words: refit for words, refit in refits.items() if refit}
     if not sound:
-        size = np.where(estimate.posterior.numbers >= 0, np.abs(estimate.residuals), 0.0)
-        worst = estimate.posterior.numbers[int(np.argmax(size))]
-        return f"Look at reading {worst} first: it is furthest off."
+        return "No reading can be left out to see which one is wrong: take more."
     rows = len(estimate.residuals)
     score = {w: fit.chi2 + 2.0 * (rows - np.count_nonzero(fit.counts)) for w, fit in sound.items()}
-    limit = min(score.values()) + APART_CHI2
-    return _named({words: fit.chi2 for words, fit in sound.items() if score[words] < limit})
-
-
-def _named(chi2_without: Mapping[str, float]) -> str:
-    """Say what to look at; chi2_without: chi2 without each suspect."""
-    if len(chi2_without) == 1:
-        ((words, chi2),) = chi2_without.items()
-        return (
-            f"Without {words} chi2 would be {chi2:.1f}: look at that one first. Void it if it was "
-            "misread."
-        )
-    numbers = sorted(int(w.removeprefix(READING)) for w in chi2_without if w.startswith(READING))
+    named = [words for words in sound if score[words] < min(score.values()) + APART_CHI2]
+    numbers = sorted(int(w.removeprefix(READING)) for w in named if w.startswith(READING))
     parts = [READING + _listed(list(map(str, numbers)))] if numbers else []
-    parts += [words for words in chi2_without if not words.startswith(READING)]
+    parts += [words for words in named if not words.startswith(READING)]
     return (
-        f"Without {_listed(parts)} chi2 would be {max(chi2_without.values()):.1f} or less: look at "
-        "those first. Another reading of their series tells which one is wrong."
+        f"Without {_listed(parts)} chi2 would be {max(sound[w].chi2 for w in named):.1f} or less: "
+        "look there first, and void what was misread."
     )
 
 

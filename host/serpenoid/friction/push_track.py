@@ -57,12 +57,14 @@ class PushTrack:
 
     @property
     def law_columns(self) -> list[int]:
-        """Return which numbers of the law a film tells of, a residual each."""
-        return [0, 1, 3] if self.slips else [0, 1]
+        """Return which numbers of the law it tells of, a residual each."""
+        return {"rest": [0], "film": [0, 1, 3] if self.slips else [0, 1]}[self.source]
 
     @cached_property
     def place_sigma_m(self) -> Floats:
         """Return the standard deviation of each place, the error of its time in it."""
+        if self.source == "rest":
+            return np.full(1, self.sigma_m)
         moving_m_s = np.maximum(np.gradient(self.along_m, self.t_s), 0.0)
         return np.hypot(self.sigma_m, moving_m_s * self.sigma_s)
 
@@ -73,6 +75,11 @@ class PushTrack:
         that slips, and the law, as `slipped_places` has them.
         """
         start, law = numbers[:, :-8], numbers[:, -8:]
+        if self.source == "rest":
+            dry = np.maximum(law[:, 1] - law[:, 2], MIN_DRY_M_S2)
+            stop_s, stop_m = rest_point(start[:, 0], law[:, 0], dry)
+            errors = (stop_m - self.along_m) / self.sigma_m, (stop_s - self.t_s) / self.sigma_s
+            return np.stack(errors, axis=1)
         if self.slips:
             places_m = slipped_places(self.t_s, self.chord_rad, start, law)
             residuals = (places_m - [self.along_m, self.left_m]) / self.place_sigma_m
@@ -93,7 +100,8 @@ class PushTrack:
     def linear_about(self, law: Floats, nearby: LinearTrack | None = None) -> LinearTrack:
         """Return what a film tells of the law near one (8,); near: what it told at another one."""
         if nearby is None:
-            start = np.append(self.pushed_m_s, np.zeros(5 if self.slips else 1))
+            count = 6 if self.slips else len(self.law_columns)
+            start = self.pushed_m_s * np.eye(1, count)[0]
             nearby = LinearTrack(law, start, np.zeros((len(start), 8)), law[:0], law[:0])
             for _ in range(ROUNDS):
                 nearby = self.linear_about(law, nearby)
@@ -111,33 +119,6 @@ class PushTrack:
         start = start + follows[:, -1]
         return LinearTrack(law, start, follows[:, :-1], told_rows[:, -1], told_rows[:, :-1])
 
-    def rest_residuals(self, c: Floats, f: Floats) -> Floats:
-        """Return what remains of a push by its rest, in sigmas, (K, 1), at c and f (K,).
-
-        One of time and way is free, for the speed fits it: the part across what the speed may do
-        remains.
-        """
-        residuals, slope = self._stop_errors(self.rest_speed(c, f), c, f)
-        size = np.maximum(np.linalg.norm(slope, axis=0), 1e-12)
-        return np.asarray((residuals[1] * slope[0] - residuals[0] * slope[1]) / size)[:, None]
-
-    def rest_speed(self, c: Floats, f: Floats) -> Floats:
-        """Return the likeliest speed at the start (K,) of a push by its rest."""
-        speed = np.full_like(c, self.pushed_m_s)
-        for _ in range(ROUNDS):
-            residuals, slope = self._stop_errors(speed, c, f)
-            step = np.sum(slope * residuals, axis=0) / np.maximum(np.sum(slope**2, axis=0), 1e-12)
-            speed = np.maximum(speed - step, np.maximum(0.3 * speed, MIN_SPEED_M_S))
-        return speed
-
-    def _stop_errors(self, speed: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
-        """Return way and time to rest less those measured, in sigmas, and slopes by the speed."""
-        sigmas, f = np.array([[self.sigma_m], [self.sigma_s]]), np.maximum(f, MIN_DRY_M_S2)
-        time, way = rest_point(speed, c, f)
-        residuals = np.stack([way - self.along_m[0], time - self.t_s[0]])
-        slopes = np.stack([speed, np.ones_like(speed)]) / (c * speed + f)
-        return residuals / sigmas, slopes / sigmas
-
 
 @dataclass(frozen=True, eq=False)
 class LinearTrack:
@@ -151,7 +132,3 @@ class LinearTrack:
     start_slopes: Floats
     offsets: Floats
     slopes: Floats
-
-    def residuals(self, law: Floats) -> Floats:
-        """Return the residuals (K, rows) at laws (K, 8)."""
-        return np.asarray(self.offsets + (law - self.law) @ self.slopes.T)

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -25,7 +26,7 @@ from ..session.session import Session
 from ..session.station import slips
 from .bends import Bends, projections, resistance
 from .drift import wheels_share
-from .parameters import FRICTION_PARAMETERS, Floats, Integers, Parameter, Values, frictions_in
+from .parameters import FRICTION_PARAMETERS, Floats, Integers, Parameter, Rows, Values, frictions_in
 from .push_track import LinearTrack, PushTrack
 
 WHEELS, SCALE = "wheels_turning_over_mass", "film_scale"
@@ -41,7 +42,7 @@ class Pushes:
     """The kept pushes of a session.
 
     sign: +1 there, -1 back. place: which of the places. wheels: their J / r^2 over the mass, mean
-    and standard deviation. linear: of each film by its index, what it tells near a point.
+    and standard deviation. linear: what each tells near a point.
     """
 
     tracks: tuple[PushTrack, ...]
@@ -54,7 +55,7 @@ class Pushes:
     wheels: tuple[float, float]
     slope_sigma_rad: float
     scale_sigma: float
-    linear: dict[int, LinearTrack]
+    linear: tuple[LinearTrack, ...] = ()
 
     @classmethod
     def from_session(cls, session: Session, slipping: bool = True) -> Pushes:
@@ -84,19 +85,28 @@ class Pushes:
             wheels_share(session),
             instruments.floor_slope_sigma_rad,
             max([instruments.film_scale_sigma, *(push.scale_sigma or 0.0 for push in pushes)]),
-            {},
         )
 
     @property
-    def filmed(self) -> list[int]:
-        """Return the indices of films."""
-        return [k for k, track in enumerate(self.tracks) if track.source == "film"]
+    def slips(self) -> bool:
+        """Tell whether a robot without a straight link was pushed."""
+        return any(track.slips for track in self.tracks)
+
+    @property
+    def fastest_m_s(self) -> float:
+        """Return the largest speed at the start of a push."""
+        return max(track.pushed_m_s for track in self.tracks)
+
+    @property
+    def is_film(self) -> Rows:
+        """Tell which are films."""
+        return np.array([track.source == "film" for track in self.tracks])
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """Return the frictions, then what the pushes share."""
         shared = [Parameter(n, sigma=self.slope_sigma_rad) for n in sum(self._slope_names, ())]
-        if self.filmed and self.scale_sigma > 0.0:
+        if self.is_film.any() and self.scale_sigma > 0.0:
             shared.append(Parameter(SCALE, 1.0, self.scale_sigma))
         if self.wheels[1] > 0.0:
             shared.append(Parameter(WHEELS, *self.wheels, low=0.0))
@@ -111,7 +121,7 @@ class Pushes:
     @property
     def numbers(self) -> Integers:
         """Return the push that each residual belongs to."""
-        rows = [1 if t.source == "rest" else len(t.law_columns) for t in self.tracks]
+        rows = [len(track.law_columns) for track in self.tracks]
         return np.repeat(np.array([t.number for t in self.tracks], dtype=np.intp), rows)
 
     def laws(self, values: Values) -> Floats:
@@ -125,7 +135,7 @@ class Pushes:
         slope = np.stack(slopes, axis=1)[:, self.place]
         pull = (self.gravity_m_s2 * self.sign * inert)[..., None] * slope
         parts = [c, f, pull[..., 0], pull[..., 1]]
-        if any(track.slips for track in self.tracks):
+        if self.slips:
             across_c, _, _ = self._motion(values, 1.0, np.pi / 2 - angles)
             end_c, end_f, _ = self._motion(values, 0.5, 2 * angles)
             parts += [angles, across_c, end_c, end_f]
@@ -146,27 +156,30 @@ class Pushes:
         inert = 1.0 + wheels * projections(share, angles)[0]
         mass, scale = self.mass_kg * inert, np.ones(len(self.tracks))
         if SCALE in values:
-            is_film = [track.source == "film" for track in self.tracks]
-            scale = np.where(is_film, values[SCALE][:, None], 1.0)
+            scale = np.where(self.is_film, values[SCALE][:, None], 1.0)
         return viscous / mass, dry / mass * scale, scale / inert * np.ones_like(viscous)
 
     def residuals(self, values: Values) -> Floats:
-        """Return the residuals (K, rows), films linear about a point."""
-        laws = self.laws(values)
-        parts = []
-        for k, track in enumerate(self.tracks):
-            law = laws[:, k]
-            if track.source == "film":
-                parts.append(self.linear[k].residuals(law))
-            else:
-                parts.append(track.rest_residuals(law[:, 0], law[:, 1] - law[:, 2]))
-        return np.concatenate(parts, axis=1)
+        """Return the residuals (K, rows), linear about a point."""
+        which, law, offsets, slopes = self._linear_rows
+        changes = self.laws(values)[:, which] - law
+        return np.asarray(offsets + np.einsum("krl,rl->kr", changes, slopes))
+
+    @cached_property
+    def _linear_rows(self) -> tuple[Integers, Floats, Floats, Floats]:
+        """Return of each residual its push, and the law, offset and slopes of that."""
+        which = np.repeat(np.arange(len(self.linear)), [len(t.offsets) for t in self.linear])
+        offsets, slopes = (
+            np.concatenate([getattr(track, name) for track in self.linear])
+            for name in ("offsets", "slopes")
+        )
+        return which, np.stack([track.law for track in self.linear])[which], offsets, slopes
 
     def linear_about(self, values: Values) -> Pushes:
-        """Return the pushes with films linear about values (1,)."""
-        laws = self.laws(values)[0]
-        linear = {k: self.tracks[k].linear_about(laws[k], self.linear.get(k)) for k in self.filmed}
-        return replace(self, linear=linear) if linear else self
+        """Return the pushes linear about values (1,)."""
+        nearby = self.linear or len(self.tracks) * (None,)
+        parts = zip(self.tracks, self.laws(values)[0], nearby, strict=True)
+        return replace(self, linear=tuple(t.linear_about(law, origin) for t, law, origin in parts))
 
 
 def _track(push: Push, time_sigma_s: float, slipping: bool) -> PushTrack:

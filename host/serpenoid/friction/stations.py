@@ -108,6 +108,16 @@ class Stations:
             belt_sigma=belt_sigma if session.on_floor else 0.0,
         )
 
+    @property
+    def slips(self) -> bool:
+        """Tell that robots on a belt are steered, and slip along it alone."""
+        return False
+
+    @property
+    def fastest_m_s(self) -> float:
+        """Return the largest slip."""
+        return float(self.slip_m_s.max())
+
     def __len__(self) -> int:
         return len(self.slip_m_s)
 

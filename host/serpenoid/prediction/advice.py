@@ -184,8 +184,8 @@ def advise(
     def variance(*more: Any) -> Array:
         """Return the variance of each gait's speed by friction, with more readings."""
         number = 1 + max(reading.number for reading in session.readings)
-        taken = (replace(reading, number=number) for reading in more)
-        grown = replace(session, readings=(*session.readings, *taken))
+        expected = (replace(reading, number=number) for reading in more)
+        grown = replace(session, readings=(*session.readings, *expected))
         return np.einsum("gi,ij,gj->g", slopes, covariance_after(grown, estimate), slopes)
 
     present_variance, readings = variance(), list[NextReading]()

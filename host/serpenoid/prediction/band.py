@@ -72,7 +72,8 @@ def predict(samples: Samples, gait: Gait, commanded: Gait | None = None) -> Spee
     fit, kind = samples.fit, samples.kind
     samples_m_s = speeds(samples, gait, commanded)
     friction, joints, ends = map(band, samples_m_s)
-    exact_m_s = typical_m_s = speed(fit.robot, fit.ground, gait)
+    exact_m_s = speed(fit.robot, fit.ground, gait)
+    typical_m_s = exact_m_s
     if commanded:
         typical_m_s *= float(np.median(samples_m_s[2] / np.maximum(samples_m_s[1], 1e-9)))
     elif kind:

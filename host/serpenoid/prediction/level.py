@@ -75,8 +75,8 @@ def slope_shares(
     the mean slope does is found with the servo, whose ripple moves wheels that would stick; how the
     samples differ from it, which costs more runs, with joints that follow.
     """
-    ahead = -1.0 if run.way == "there" else 1.0
-    mean_rad, sigma_rad = ahead * np.array(slope).T
+    sign = -1.0 if run.way == "there" else 1.0
+    mean_rad, sigma_rad = sign * np.array(slope).T
     speed_on = partial(_crawl_speed, fit, run.gait, None)
     middle_m_s = max(speed_on(mean_rad), 1e-6)
     shares = np.ones(SLOPES)

@@ -62,4 +62,4 @@ def test_readings_that_could_each_be_the_wrong_one_are_all_named():
     straight = [made.readings[k] for k in (0, 2, 5)]
     straight[1] = replace(straight[1], belt_speed_m_s=straight[1].belt_speed_m_s + 0.2)
     fit = sn.fit_friction(replace(made, readings=(*straight, *made.readings[12:])))
-    assert "Without reading 1, 3 or 6 chi2 would be 0.0 or less: look at those" in fit.alarms[0]
+    assert "Without reading 1, 3 or 6 chi2 would be 0.0 or less: look there" in fit.alarms[0]

@@ -20,18 +20,20 @@ MOST_MM = 4.0  # of the residuals' axis, at least
 
 def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> None:
     """Draw ways over time with the law's line, and residuals; one colour a bend."""
-    paths = push_paths(session)
-    bends = sorted({round(math.degrees(p.lambda_rad)) for p in paths})
+    paths = list(push_paths(session))
+    bends = sorted({round(math.degrees(push.lambda_rad)) for push, *_ in paths})
     for bend, colour in zip(bends, itertools.cycle(COLOURS)):
         name = f"bend {bend}°" if bend else "straight"
-        for path in (p for p in paths if round(math.degrees(p.lambda_rad)) == bend):
+        of_bend = (path for path in paths if round(math.degrees(path[0].lambda_rad)) == bend)
+        for push, t_s, way_m, law_m in of_bend:
             look = {"color": colour, "ms": 2.5, "mew": 0, "alpha": 0.9, "ls": ""}
-            look["marker"] = "o" if path.way == "there" else "s"
-            axes[0].plot(path.t_s, path.way_m, label=name, **look)
-            axes[0].plot(path.law_t_s, path.law_m, color="black", lw=0.8)
-            axes[1].plot(path.t_s, 1000 * path.residual_m, **look)
+            look["marker"] = "o" if push.way == "there" else "s"
+            axes[0].plot(t_s, way_m, label=name, **look)
+            axes[0].plot(t_s, law_m, color="black", lw=0.8)
+            axes[1].plot(t_s, 1000 * (way_m - law_m), **look)
             name = ""
-    limit_mm = max([MOST_MM, *(1.1 * float(abs(1000 * p.residual_m).max()) for p in paths)])
+    largest_m = [float(abs(way_m - law_m).max()) for _, _, way_m, law_m in paths]
+    limit_mm = max([MOST_MM, *(1100 * largest for largest in largest_m)])
     axes[0].set(title="Positions (squares: back), and the law", ylabel="distance (m)")
     axes[1].set(title="Residuals", ylabel="position less the law (mm)", ylim=(-limit_mm, limit_mm))
     axes[1].axhline(0.0, color=GREY, lw=0.8)
