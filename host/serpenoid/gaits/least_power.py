@@ -141,7 +141,7 @@ def least_power_gait(
     joint_damping_n_s_m
         Damping in the joints, N s/m.
     rtol
-        Accuracy of the final state, relative; 1e-10 on viscous and 1e-5 on dry ground unless given.
+        Accuracy of the final state, relative; 1e-10 on viscous and 1e-6 on dry ground unless given.
 
     Returns
     -------
@@ -172,7 +172,7 @@ def least_power_gait(
     search = Search(robot, ground, speed_m_s, cost, limits, springs)
     if rtol is None:
         exact = EXACT_RTOL if cost == "power" else SMOOTH_RTOL
-        rtol = SPRINGS_RTOL if springs else exact if ground.smooth else FINE_RTOL
+        rtol = SPRINGS_RTOL if springs else exact if ground.smooth else 0.1 * FINE_RTOL
     check_ground(ground, rtol)
     if robot.links < MIN_LINKS:
         raise NotConverged(

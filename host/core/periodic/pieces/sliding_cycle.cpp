@@ -93,8 +93,8 @@ std::optional<CycleEnd> SlidingCycle::follow(const Vec3& p, const Following& how
     tolerance_ = how.tolerance;
     spin_ = how.spin;
     simultaneous_ = saltation_.waits = false;
-    meter_.start(how.work, how.tolerance);
     tolerances_ = tolerances_of(how.tolerance);
+    meter_.start(how.work, how.tolerance, tolerances_.speed);
     events_.set_units(tolerances_.speed, tolerances_.force);
     event_step_.limit_correction(tolerances_.correction);
     piece_length_ = std::max(piece_length_, kFirstPiece);

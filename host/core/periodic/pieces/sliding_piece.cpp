@@ -258,7 +258,7 @@ Vec3 SlidingPiece::correction(int node, const SlidingMode& mode, const Vec3& u) 
 // The error of the polynomial's rate at the start, without the part that the force of a stuck wheel
 // balances; the difference between that force and the one extrapolated from the stages; and the
 // drift of stuck wheels between the stages, which the rate does not show.
-double SlidingPiece::error(const Vec3& scale) const {
+double SlidingPiece::error(const Vec3& scale) {
     constexpr double kForce = 0.02;  // an end of sticking shifts the motion by the square of it,
                                      // times how much that force outweighs inertia
     constexpr double kDrift = 0.3;   // in the mean
@@ -285,6 +285,7 @@ double SlidingPiece::error(const Vec3& scale) const {
         unbalanced = std::max(unbalanced, std::fabs(Q[i]));
         drifted = std::max(drifted, std::fabs(drift[i]) / scale[i]);
     }
+    drift_ = drifted * scale[0] * inverse_nm_;
     return std::max({h_ * unbalanced * rule.bump_height,
                      force * std::max(kForce, outweighs * force), kDrift * drifted});
 }

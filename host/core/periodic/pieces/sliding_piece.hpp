@@ -74,7 +74,8 @@ class SlidingPiece {
     bool solve(const SlidingMode& mode, double tau, double h, const Vec3& p0, const Vec3& scale,
                double close);
 
-    double error(const Vec3& scale) const;      // of the polynomial, as a fraction of the scales
+    double error(const Vec3& scale);            // of the polynomial, as a fraction of the scales
+    double drift() const { return drift_; }     // of the wheels at rest, m/s, by error()
     Vec3 momenta(double x) const;               // p at a fraction of the piece
     Vec3 rate(double x) const;                  // and dp/dtau
     Mat3 tangent(double x) const;               // dp(x)/dp0
@@ -124,6 +125,7 @@ class SlidingPiece {
     std::array<Mat3, kStages> T_{};      // dp/dp0 there
     std::array<Vec3, kStages> lambda_{};
     Vec3 change_{};
+    double drift_ = 0;
 };
 
 }  // namespace serpenoid

@@ -21,12 +21,13 @@ WorkMeter::WorkMeter(const Robot& robot, const Gait& gait, SlidingPiece& piece,
 
 // Errors go with the fourth power of a block: as the tolerance, until positive power is known to
 // 1e-6 on smooth ground. On dry ground 1e-4 will do: sticking forces are not known better.
-void WorkMeter::start(bool active, double tolerance) {
+void WorkMeter::start(bool active, double tolerance, double speed_aim) {
     constexpr double kBlock = 4.5;       // rad, at a tolerance of 1
     constexpr double kMinSmooth = 0.08;  // rad
     constexpr double kMinDry = 0.25;     // rad
     constexpr double kMaxBlock = 0.5;    // rad: a joint's power changes its sign every pi / 2
     active_ = active;
+    speed_aim_ = speed_aim;
     max_block_ = std::clamp(kBlock * std::pow(tolerance, 0.25),
                             piece_.has_modes() ? kMinDry : kMinSmooth, kMaxBlock);
     work_ = {std::vector<double>(active ? rate_.size() - 1 : 0)};
@@ -62,10 +63,17 @@ void WorkMeter::add(const SlidingMode& mode, double h, double x, double skipped)
 // A wheel whose speed dips close to zero may rest there or not: the mode is ambiguous at this
 // tolerance. While it is so slow, its force and those of wheels at rest are uncertain by its dry
 // friction; the speeds hardly change. A wheel that has just begun to slide is slow, too, but its
-// mode is certain.
+// mode is certain. Where three wheels rest, the shape alone moves the others: their speeds are
+// known as well as those that rest are held.
 void WorkMeter::add_doubt(const SlidingMode& mode, double h, double x) {
-    constexpr double kSlow = 20;  // a fifth of a tolerance of speed, in units of the aim
+    // Speeds in units of the aim. Of 8000 random states as many are beyond their claim as with the
+    // highest limit for all.
+    constexpr double kSlow = 20;   // a fifth of a tolerance
+    constexpr double kAim = 1;     // events are no nearer to zero
+    constexpr double kDrifts = 3;  // of what rests
     constexpr int kSamples = 64;
+    const double slow =
+        mode.count < 3 ? kSlow : std::clamp(kDrifts * piece_.drift() / speed_aim_, kAim, kSlow);
     for (int wheel = 0; wheel < piece_.wheels(); ++wheel) {
         if (mode.sign[wheel] == 0 || piece_.law(wheel).bound == 0) continue;
         if (events_.lowest(wheel) >= kSlow) {
@@ -73,10 +81,10 @@ void WorkMeter::add_doubt(const SlidingMode& mode, double h, double x) {
             continue;
         }
         const StagePolynomial<SlidingPiece::kStages> margin(events_.margins(wheel));
-        int slow = 0;
-        for (int k = 0; k < kSamples; ++k) slow += margin(x * (k + 0.5) / kSamples) < kSlow;
+        int count = 0;
+        for (int k = 0; k < kSamples; ++k) count += margin(x * (k + 0.5) / kSamples) < slow;
         if (!fresh_[wheel])
-            work_.error += piece_.law(wheel).bound * lever_ * h * x * slow / kSamples;
+            work_.error += piece_.law(wheel).bound * lever_ * h * x * count / kSamples;
         if (margin(x) >= kSlow) fresh_[wheel] = 0;
     }
 }

@@ -13,7 +13,8 @@ class WorkMeter {
   public:
     WorkMeter(const Robot& robot, const Gait& gait, SlidingPiece& piece, const EventFinder& events);
 
-    void start(bool active, double tolerance);
+    // `speed_aim`: unit of the margins of wheels that slide, m/s.
+    void start(bool active, double tolerance, double speed_aim);
 
     // Add the first x of the piece, which is h long. `skipped` of phase before it went by in event
     // steps.
@@ -35,6 +36,7 @@ class WorkMeter {
     std::vector<Lanes> rate_;
     std::vector<char> fresh_;  // wheels whose sliding has just begun
     JointWork work_;
+    double speed_aim_ = 0;
     double max_block_ = 0;  // rad, of five samples
     bool active_ = false;
 };
