@@ -135,21 +135,22 @@ def friction_rate(scene: Scene) -> float:
 def _modes(scene: Scene) -> tuple[Array, Array, Array]:
     """Return stiff (1/s^2), damped and braked (1/s) of the modes x'' + (d + b) x' + s x = 0.
 
-    Springs of the implicit joints, servos, and friction (stiff = 0). Friction brakes every mode
+    Eight modes of springs of the implicit joints, eight of servos (the ends decide: more give the
+    same limit), and friction (stiff = 0). Friction brakes every mode
     besides, by up to its fastest rate.
     """
     friction = 0.0 if scene.method == "nonsmooth" else friction_rate(scene)  # 0: implicit there
     stiff, damped = [np.zeros(1)], [np.zeros(1)]
     if scene.formulation == "implicit":
         imposed = scene.drive == "angle" and not scene.limp
-        mu = np.linspace(*_joint_modes(scene.robot, scene.gait, imposed), 64)
+        mu = np.linspace(*_joint_modes(scene.robot, scene.gait, imposed), 8)
         stiff.append(scene.joint_stiffness_n_m * mu)
         damped.append(scene.joint_damping_n_s_m * mu)
     if scene.servo is not None:
         ends = 0.0, 4 / scene.robot.inertia_kg_m2  # of free links
         if scene.formulation == "explicit":
             ends = _mobility(scene.robot, scene.gait)
-        nu = np.linspace(*ends, 64)
+        nu = np.linspace(*ends, 8)
         nu = nu / (1 + scene.servo.armature_kg_m2 * nu)  # rotors turn with their joints
         gear = scene.servo.gear_damping_nms_rad
         stiff += [scene.servo.stiffness_nm_rad * nu, 0 * nu]
