@@ -22,12 +22,12 @@ from ..base.errors import (
     RobotError,
     RobotLost,
     RobotUnattended,
+    StopUnconfirmed,
 )
-from ..model.bends import bend_signs, joint_multiples
 from .recording.recorder import Recorder, refuse_existing
 from .signals import SignalGuard
 from .wire.clock import Drift
-from .wire.dialogue import Answer, CloseResult, Dialogue
+from .wire.dialogue import Answer, Dialogue
 from .wire.encoding import degrees, digits
 from .wire.greeting import greet
 from .wire.inbox import Losses
@@ -162,34 +162,9 @@ class RobotBoard:
             raise BadInput(f"a pose has {joints} angles, one a joint, not {len(angles_rad)}")
         self._obeyed(" ".join(["pose", *(degrees(a) for a in angles_rad)]))
 
-    def straight(self, offset_rad: float = 0.0) -> None:
-        """Move all joints to 0, or to the offset in rad, which steers."""
-        self._obeyed("pose straight" + (f" {degrees(offset_rad)}" if offset_rad else ""))
-
-    def bent(self, lambda_rad: float, offset_rad: float = 0.0) -> None:
-        """Bend the robot so that it stays on course on a moving belt.
-
-        Links stand at lambda_rad times `balanced_signs` to the axis: six links at
-        + - 0 0 - +, joints at -2, 1, 0, -1 and 2 lambda. Three links have no such bend:
-        BadInput.
-
-        lambda_rad: the angle of each bent link to the belt, in rad. offset_rad: is added to every
-        joint, in rad; to steer, call again with another one: the joints move there smoothly.
-        """
-        self._bend("balanced", lambda_rad, offset_rad)
-
-    def zigzag(self, lambda_rad: float, offset_rad: float = 0.0) -> None:
-        """Bend the robot as the paper does: links at -lambda, +lambda, -lambda, ...
-
-        Joints go to +2 lambda, -2 lambda, ..., each plus the offset, all in rad; a protractor laid
-        on two neighbouring links shows 180 degrees - 2 lambda. Left free on a belt the robot turns:
-        it needs a guide.
-        """
-        self._bend("zigzag", lambda_rad, offset_rad)
-
-    def _bend(self, bend: str, lambda_rad: float, offset_rad: float) -> None:
-        multiples = joint_multiples(bend_signs(bend, self.hello.joints + 1))
-        self.pose([offset_rad + k * lambda_rad for k in multiples])
+    def straight(self) -> None:
+        """Move all joints to 0."""
+        self._obeyed("pose straight")
 
     def stop(self) -> None:
         """Freeze all joints now; return when the board has confirmed it. Safe from any thread.
@@ -230,14 +205,6 @@ class RobotBoard:
         on when its host has gone.
         """
         self._obeyed("save unattended" if unattended else "save")
-
-    def load(self) -> None:
-        """Take settings and trims from the board's EEPROM; it must be idle."""
-        self._obeyed("load")
-
-    def defaults(self) -> None:
-        """Take settings and trims from the firmware; the EEPROM stays. It must be idle."""
-        self._obeyed("defaults")
 
     def status(self) -> Status:
         """Return the board's state and counters."""
@@ -333,23 +300,33 @@ class RobotBoard:
         """Take each line of the board, in the reader's thread; whoever shows them overrides it."""
 
     def _leave(self, error: BaseException | None) -> None:
+        """Stop and close; raise an error that no call has raised yet, or warn of it.
+
+        An error of the program itself is not replaced: beside it, what went wrong is a warning.
+        """
         self._signals.held = True
-        talk, result = self._talk, CloseResult(None, None)
-        raised: RobotError | None = None
+        problems: list[RobotError] = []
+        raised = None
         try:
-            if talk is not None:
-                result = talk.leave()
-                talk.link.close()
-            raised = _error_to_raise(result, self._end_recording(error), error)
+            if self._talk is not None:
+                problems += self._talk.leave()
+                self._talk.link.close()
+            problems += self._end_recording(error)
+            if error is None or isinstance(error, (KeyboardInterrupt, SystemExit)):
+                raised = next(iter(problems), None)
+            else:
+                for problem in problems:
+                    if not (isinstance(problem, StopUnconfirmed) and isinstance(error, RobotLost)):
+                        warnings.warn(str(problem), RuntimeWarning, stacklevel=3)
         finally:
             self._signals.restore(forget=raised is not None)
         if raised:
             raise raised from error
 
-    def _end_recording(self, error: BaseException | None) -> RecordingFailed | None:
+    def _end_recording(self, error: BaseException | None) -> list[RecordingFailed]:
         """Close the recording; return why it is not whole, if that is not told otherwise."""
         if self._recorder is None:
-            return None
+            return []
         failure = self._talk.failure if self._talk else None
         why = error or failure
         unwritten = None
@@ -360,22 +337,7 @@ class RobotBoard:
             unwritten = failed
         if self._talk is None or not self._talk.inbox.in_session:
             self._recorder.discard()
-        return None if unwritten is failure else unwritten
-
-
-def _error_to_raise(
-    result: CloseResult, unwritten: RecordingFailed | None, error: BaseException | None
-) -> RobotError | None:
-    """Return an error that no call has raised yet, if it may be raised in place of `error`.
-
-    An error of the program itself is not replaced: beside it, what went wrong is a warning.
-    """
-    if error is None or isinstance(error, (KeyboardInterrupt, SystemExit)):
-        return result.unstopped or result.unseen or unwritten
-    unstopped = None if isinstance(error, RobotLost) else result.unstopped
-    for problem in filter(None, (unstopped, unwritten)):
-        warnings.warn(str(problem), RuntimeWarning, stacklevel=4)
-    return None
+        return [] if unwritten is None or unwritten is failure else [unwritten]
 
 
 def _obey(text: str, answer: Answer) -> None:

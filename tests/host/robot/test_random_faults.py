@@ -99,7 +99,7 @@ def some_program(rng: random.Random, record: Path) -> None:
                 [
                     lambda: robot.gait(some_gait(rng)),
                     lambda: list(robot.frames(rng.uniform(0, 2.5))),
-                    lambda: robot.bent(rng.uniform(-0.2, 0.2)),
+                    lambda: robot.pose([rng.uniform(-0.4, 0.4)] * 5),
                     lambda: robot.set("every", rng.choice((1, 2, 5))),
                     robot.status,
                     robot.trims,

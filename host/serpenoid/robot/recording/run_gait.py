@@ -49,4 +49,4 @@ def longest_gait(stream: Stream) -> Gait:
             "record the run, with `serpenoid drive --record`"
         )
     alpha, beta, omega, offset = map(float, gaits[frames.argmax()][1][1:])
-    return Gait(math.radians(alpha), math.radians(beta), omega, math.radians(offset))
+    return Gait.degrees(alpha, beta, omega_rad_s=omega, offset_deg=offset)

@@ -6,11 +6,10 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ...base.errors import BadInput, ClockWrong, DamagedLine
 from ...base.files import check_file
-from ...model.robot import frame_us
 from ..wire.clock import BoardClock
 from ..wire.protocol import Hello, Telemetry, parse
 from .recorder import TITLE
@@ -83,13 +82,9 @@ class _Reading:
         self._sent: list[tuple[float, str]] = []
         self._reports: list[tuple[float, str]] = []
         self._damaged = 0
-        self._greeted = False
         self._end: str | None = None
-        self._begin_frames(0)
-
-    def _begin_frames(self, joints: int) -> None:
-        """Expect frames of so many joints, as greeted; 0 for as many as the first one has."""
-        self._joints, self._clock = joints, BoardClock(frame_us(joints))
+        self._joints = 0  # of the greeting or the first frame, whichever comes first
+        self._clock = BoardClock()
         self._frames: list[tuple[float, int, Telemetry]] = []
 
     def take(self, number: int, row: bytes) -> None:
@@ -106,27 +101,25 @@ class _Reading:
         """Return all that was taken."""
         import numpy as np
 
-        size = len(self._frames), self._joints
-
-        def column(name: str) -> Any:
-            return np.array([getattr(frame, name) for *_, frame in self._frames])
-
+        hosts_s, boards_us, frames = (
+            zip(*self._frames, strict=True) if self._frames else ((), (), ())
+        )
+        names = [name for name in Telemetry.__slots__ if name in Stream.__dataclass_fields__]
+        columns = {name: np.array([getattr(frame, name) for frame in frames]) for name in names}
+        for name in ("setpoint_rad", "pulse_us"):
+            columns[name] = columns[name].reshape(len(frames), self._joints)
+        columns |= {
+            "host_s": np.array(hosts_s),
+            "board_s": 1e-6 * np.array(boards_us),
+            "state": columns["state"].astype(str),
+        }
         return Stream(
             begun=begun,
-            host_s=np.array([host_s for host_s, *_ in self._frames]),
-            frame=column("frame"),
-            board_s=1e-6 * np.array([board_us for _, board_us, _ in self._frames]),
-            phase_rad=column("phase_rad"),
-            setpoint_rad=column("setpoint_rad").reshape(size),
-            pulse_us=column("pulse_us").reshape(size),
-            exec_us=column("exec_us"),
-            late_us=column("late_us"),
-            clipped=column("clipped"),
-            state=column("state").astype(str),
             sent=tuple(self._sent),
             reports=tuple(self._reports),
             damaged=self._damaged,
             end=self._end,
+            **columns,
         )
 
     def _parts(self, row: bytes) -> tuple[float, str, bytes]:
@@ -147,24 +140,20 @@ class _Reading:
         try:
             message = parse(text)
             if isinstance(message, Telemetry):
-                self._keep(host_s, message)
-            else:
-                self._reports.append((host_s, text.decode("ascii")))
+                return self._keep(host_s, message)
         except (ClockWrong, DamagedLine):
             self._damaged += 1
-            return
-        if isinstance(message, Hello) and not self._greeted:
-            self._greeted = True
-            if self._joints != message.joints:  # frames before this greeting were noise
-                self._damaged += len(self._frames)
-                self._begin_frames(message.joints)
+            return None
+        self._reports.append((host_s, text.decode("ascii")))
+        if isinstance(message, Hello):
+            self._joints = self._joints or message.joints
             self._clock.frame_us = message.frame_us
+        return None
 
     def _keep(self, host_s: float, frame: Telemetry) -> None:
         """Add a frame."""
-        if not self._joints:
-            self._begin_frames(len(frame.setpoint_rad))
-        if len(frame.setpoint_rad) != self._joints:
+        self._joints = self._joints or len(frame.setpoint_rad)
+        if self._joints != len(frame.setpoint_rad):
             raise DamagedLine(f"a frame has another number of joints than {self._joints}")
         board_us = self._clock.unwrap(frame.frame, frame.board_us)
         self._frames.append((host_s, board_us, frame))

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
+from ...base.checks import check_number
 from ...base.errors import NoAnswer, PortBusy, ProtocolMismatch, RobotError
 from ..robot import RobotBoard
 from ..wire import ports
@@ -59,6 +60,7 @@ def examine(
 
     listen_s: how long to count frames, at least 0.2; timeout_s: how long to wait for a greeting.
     """
+    check_number("listen_s", listen_s, 0.2, 600.0)
     try:
         yield from _port(port, listen_s, timeout_s)
     except RobotError as error:
@@ -71,23 +73,19 @@ def examine(
 
 
 def _port(port: str | None, listen_s: float, timeout_s: float) -> Iterator[Finding]:
+    """Look whether the port is there, and who may open it, then at the board."""
     if port is not None and port.startswith("virtual"):
         yield Finding("port", "ok", f"{port}: the firmware in this process, no robot")
     else:
         port = port or ports.find_port()
-        for finding in _access(port):
-            yield finding
-            if finding.mark == "fix":
-                return
+        if not ports.is_there(port):
+            raise ports.missing(port)
+        yield Finding("port", "ok", port)
+        may_open = ports.allowed(port)
+        yield Finding.judged("permission", f"to open {port}", may_open, ports.why_forbidden(port))
+        if not may_open:
+            return
     yield from _board(port, listen_s, timeout_s)
-
-
-def _access(port: str) -> Iterator[Finding]:
-    """Look whether the port is there, and who may open it, up to what to fix."""
-    names = f"serial ports here: {ports.port_names()}"
-    yield Finding.judged("port", port, ports.is_there(port), f"there is no such port; {names}")
-    may_open = ports.allowed(port)
-    yield Finding.judged("permission", f"to open {port}", may_open, ports.why_forbidden(port))
 
 
 def _board(port: str, listen_s: float, timeout_s: float) -> Iterator[Finding]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ...base.errors import FramesMissing
 from ..robot import RobotBoard
+from ..wire.inbox import Losses
 from ..wire.protocol import Telemetry
 
 if TYPE_CHECKING:
@@ -21,11 +22,11 @@ MOST_MISSED = 0.1  # of the frames due: of a run that has lost more, little can 
 UNDERWAY_S = 0.3  # frames that a busy computer may not have taken in at the end
 
 
-@dataclass(frozen=True)
-class Summary:
-    """The summary of a run.
+@dataclass(kw_only=True)
+class Summary(Losses):
+    """The summary of a run, with what did not arrive whole.
 
-    frames: that were looked at; missed, unread, damaged and resent: as in Losses. latest_us: the
+    frames: that were looked at. latest_us: the
     latest frame. clipped_frames: in which a joint was held back at a limit or at the servos'
     speed, and missed the gait. drift_ppm: board's clock against this computer's, with its s.d.
     frequency_hz: of the settled gait in this computer's seconds, with its s.d.; None where the
@@ -36,10 +37,6 @@ class Summary:
     firmware: str
     duration_s: float
     frames: int
-    missed_frames: int
-    unread_frames: int
-    damaged_lines: int
-    resent_commands: int
     latest_us: int
     clipped_frames: int
     drift_ppm: float
@@ -107,22 +104,21 @@ class DrivenRun:
         """Sum up what came so far; None if no frame came."""
         if self.last is None:
             return None
-        hello, losses, drift = self.robot.hello, self.robot.losses, self.robot.clock
+        hello, drift = self.robot.hello, self.robot.clock
+        frequency_hz, frequency_sd_hz = self.frequency()
         return Summary(
-            hello.board,
-            hello.firmware,
-            self.elapsed_s,
-            self.frames,
-            losses.missed_frames,
-            losses.unread_frames,
-            losses.damaged_lines,
-            losses.resent,
-            self.latest_us,
-            self.clipped_frames,
-            drift.ppm,
-            drift.sd_ppm,
-            *self.frequency(),
-            self._record and str(self._record),
+            **vars(self.robot.losses),
+            board=hello.board,
+            firmware=hello.firmware,
+            duration_s=self.elapsed_s,
+            frames=self.frames,
+            latest_us=self.latest_us,
+            clipped_frames=self.clipped_frames,
+            drift_ppm=drift.ppm,
+            drift_sd_ppm=drift.sd_ppm,
+            frequency_hz=frequency_hz,
+            frequency_sd_hz=frequency_sd_hz,
+            recording=self._record and str(self._record),
         )
 
     def _check_frames(self, duration_s: float) -> None:

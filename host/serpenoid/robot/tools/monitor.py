@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from contextlib import suppress
 
-from ...base.errors import BadInput, DamagedLine, RobotUnattended, StateUnasked
+from ...base.errors import BadInput, DamagedLine, RobotError, RobotUnattended, StateUnasked
 from ...base.files import visible
 from ..robot import RobotBoard
 from ..wire.protocol import Telemetry, Verdict, parse, unseal
@@ -24,18 +24,15 @@ class MonitoredBoard(RobotBoard):
     def __init__(self, port: str | None, frames_a_line: int):
         super().__init__(port, unattended_s=UNATTENDED_S)
         self._frames_a_line, self._frames = frames_a_line, 0
-        self.print_error: OSError | None = None  # why nothing can be printed any more
         self.shown = False
 
     def _take_line(self, line: bytes) -> None:
+        text = self._text(line)
         try:
-            text = self._text(line)
             if text and (self.shown or text.startswith("hello:")):
                 print(visible(text), flush=True)
-        except OSError as error:  # the reader must outlive a screen that is gone
-            if self.print_error is None:
-                self._halt()
-            self.print_error = error
+        except OSError as error:
+            raise RobotError(f"nothing can be shown any more: {error}") from error
 
     def _text(self, line: bytes) -> str:
         """Return a line of the board as it is shown, "" for one that is left out."""
@@ -64,7 +61,7 @@ class MonitoredBoard(RobotBoard):
 def converse(port: str | None, frames_a_line: int) -> None:
     """Open a port and let a person talk until the input ends or Ctrl-C; the robot is stopped.
 
-    Raises what RobotBoard raises, OSError when nothing can be printed any more.
+    Raises what RobotBoard raises, RobotError where nothing can be shown any more.
     """
     robot = MonitoredBoard(port, frames_a_line)
     with suppress(KeyboardInterrupt), robot:
@@ -72,7 +69,4 @@ def converse(port: str | None, frames_a_line: int) -> None:
         if sys.stdout is not None and sys.stdout.isatty():  # it may be closed
             print(HELP, flush=True)
         for line in sys.stdin or ():
-            if robot.print_error is None:
-                robot.obey(line)
-    if robot.print_error is not None:
-        raise robot.print_error
+            robot.obey(line)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from statistics import fmean, linear_regression
 from typing import NamedTuple
+
+import numpy as np
 
 from ..._core import firmware
 from ...base.errors import ClockWrong
@@ -150,12 +151,12 @@ def _line(arrivals: list[_Arrival]) -> tuple[float, float]:
     The scatter is taken as no smaller than a step of micros(), evenly spread. The slope of a
     board whose clock stands is infinite.
     """
-    board_s, host_s = zip(*arrivals, strict=True)
-    mean_s = fmean(board_s)
-    spread = sum((b - mean_s) ** 2 for b in board_s)
+    board_s, host_s = np.transpose(arrivals)
+    offset_s = board_s - board_s.mean()
+    spread = offset_s @ offset_s
     if not spread:
         return math.inf, math.inf
-    slope, begin_s = linear_regression(board_s, host_s)
-    misses_s = (h - begin_s - slope * b for b, h in zip(board_s, host_s, strict=True))
-    scatter = sum(miss_s**2 for miss_s in misses_s) / (len(arrivals) - 2)
-    return slope, math.sqrt(max(scatter, (STEP_US * 1e-6) ** 2 / 12) / spread)
+    slope = offset_s @ host_s / spread
+    miss_s = host_s - host_s.mean() - slope * offset_s
+    scatter = miss_s @ miss_s / (len(arrivals) - 2)
+    return float(slope), math.sqrt(max(scatter, (STEP_US * 1e-6) ** 2 / 12) / spread)

@@ -51,13 +51,6 @@ class Answer(NamedTuple):
     data: list[Data]
 
 
-class CloseResult(NamedTuple):
-    """How a run ended: why the stop is uncertain, if it is; an error that no call has raised."""
-
-    unstopped: StopUnconfirmed | None
-    unseen: RobotError | None
-
-
 class Dialogue:
     """Talk to one board over one link. Every call may raise the error that ended the run.
 
@@ -208,8 +201,11 @@ class Dialogue:
                 "`serpenoid doctor` tells"
             )
 
-    def leave(self) -> CloseResult:
-        """Stop the robot and close the session; what fails after the stop no longer matters."""
+    def leave(self) -> list[RobotError]:
+        """Stop the robot and close the session; what fails after the stop no longer matters.
+
+        Returns why the stop is uncertain, if it is, and an error that no call has raised.
+        """
         self._leaving = True
         failure = self.failure
         unseen = self.inbox.notice if self._failure_told else failure or self.inbox.notice
@@ -220,7 +216,7 @@ class Dialogue:
             if self.inbox.in_session:
                 self._ask_within("bye", PATIENCE_S / 4)
         self.fall_silent()
-        return CloseResult(unstopped, unseen)
+        return list(filter(None, (unstopped, unseen)))
 
     def fall_silent(self) -> None:
         """Stop reading and pinging, without a message: the wire may be used anew."""
@@ -312,7 +308,7 @@ class Dialogue:
             if left_s < LEAST_S:
                 return None
             with self._changed:
-                self.inbox.losses.resent += 1
+                self.inbox.losses.resent_commands += 1
 
     def _attend(self) -> None:
         self._attended_s = self.link.now_s()

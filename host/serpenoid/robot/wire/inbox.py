@@ -20,18 +20,16 @@ CHANGES_CADENCE = ("set every ", "set silence ", "load", "defaults")
 
 @dataclass
 class Losses:
-    """What did not arrive whole: damaged lines, frames that never came or came twice.
+    """What did not arrive whole: damaged lines, frames that never came.
 
     unread_frames: dropped here because the program iterated too slowly, or still waiting when the
-    time of frames() was over. resent: commands that
-    were sent again for want of a verdict.
+    time of frames() was over. resent_commands: sent again for want of a verdict.
     """
 
     damaged_lines: int = 0
     missed_frames: int = 0
-    repeated_frames: int = 0
     unread_frames: int = 0
-    resent: int = 0
+    resent_commands: int = 0
 
 
 @dataclass
@@ -187,7 +185,6 @@ class Inbox:
         if self.in_session and last and gap >= 1 << 31:
             raise _reset(f"the board's frames went back from {last.frame} to {frame.frame}")
         if not gap:
-            self.losses.repeated_frames += 1
             return
         if self.every and self._counted is not None:
             passed = (frame.frame - self._counted) & 0xFFFFFFFF
