@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -25,6 +28,11 @@ def number_array(name: str, values: ArrayLike) -> Array:
         pass
     shown = f"{values!r}"[:100]
     raise BadInput(f"{name} is {shown}; it must be numbers, up to 1e308, in a regular array")
+
+
+def columns(points: Sequence[Any], *names: str) -> list[Array]:
+    """Return an array for each attribute of some points; None becomes NaN."""
+    return [np.array([getattr(point, name) for point in points], dtype=float) for name in names]
 
 
 def finite_vector(name: str, values: ArrayLike, size: int) -> Array:

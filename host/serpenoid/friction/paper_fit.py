@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ..session.session import Session
@@ -22,16 +20,6 @@ def friction_points(session: Session, fit: FrictionFit) -> Lines:
     friction as known, here from the fit. m/s and N, whole snake.
     """
     return points(Stations.from_session(session), fit.values)
-
-
-def voided_points(session: Session, fit: FrictionFit) -> Lines:
-    """Return part -> (speeds, forces) of the voided readings, as friction_points does."""
-    voided = [
-        replace(r, voided=False)
-        for r in session.readings_of("station")
-        if r.voided and r.slip_speed_m_s > 0
-    ]
-    return friction_points(replace(session, readings=tuple(voided)), fit)
 
 
 def point_errors(session: Session) -> Lines:

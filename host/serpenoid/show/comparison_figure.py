@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base.vectors import columns
 from ..prediction.comparison import ComparedGait, Comparison
 from ..prediction.curve import speed_curves
 from ..servos.speed_limit import highest_hz
-from .plot import COLOURS, GREY, columns, hatch_beyond
+from .plot import COLOURS, GREY, hatch_beyond
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -62,14 +63,11 @@ def draw_comparison(fig: Figure, axes: Any, compared: Comparison) -> None:
 def _measured(top: Axes, bottom: Axes, gaits: Sequence[ComparedGait], color: str) -> None:
     """Draw the gaits that were run, and how far they are from the prediction, with its band."""
     ran = [gait for gait in gaits if gait.runs]
-    f, measured, sigma, typical = columns(
-        ran, "frequency_hz", "measured_m_s", "sigma_m_s", "speed_m_s"
+    f, measured, sigma, typical, low, high = columns(
+        ran, "frequency_hz", "measured_m_s", "sigma_m_s", "speed_m_s", "low_m_s", "high_m_s"
     )
     dots = {"fmt": "o", "color": color, "mec": "black", "capsize": 3, "ms": 5}
     top.errorbar(f, measured, 1.96 * sigma, **dots)
-    percent = 100 * (measured / typical - 1)
-    bottom.errorbar(f, percent, 196 * sigma / typical, **dots)
-    judged = [gait for gait in ran if gait.judged]
-    f, typical, low, high = columns(judged, "frequency_hz", "speed_m_s", "low_m_s", "high_m_s")
+    bottom.errorbar(f, 100 * (measured / typical - 1), 196 * sigma / typical, **dots)
     ends = 100 * (low / typical - 1), 100 * (high / typical - 1)
     bottom.vlines(f, *ends, color=color, lw=7, alpha=0.25)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from ..base.files import whole_file
-from ..friction.paper_fit import friction_points, point_errors, voided_points
+from ..friction.paper_fit import friction_points, point_errors
 from ..friction.result import FrictionFit
 from ..model.ground import Ground
 from ..model.robot import Robot
@@ -73,11 +73,6 @@ def figure(
                 drawn.savefig(part)
 
 
-def columns(points: Sequence[Any], *names: str) -> list[np.ndarray]:
-    """Return an array for each attribute of some points."""
-    return [np.array([getattr(p, name) for p in points], dtype=float) for name in names]
-
-
 def heading(fig: Figure, text: str, size: float = 9, colour: str = GREY) -> None:
     """Write a line above all axes, from the left."""
     fig.suptitle(text, fontsize=size, color=colour, x=0.01, ha="left")
@@ -93,7 +88,7 @@ def fit_heading(fig: Figure, fit: FrictionFit) -> None:
 def draw_friction(
     fig: Figure, axes: Any, fit: FrictionFit, session: Session | None, note: str = ""
 ) -> None:
-    """Draw the fitted lines of the whole snake, and a session's readings, voided ones crossed."""
+    """Draw the fitted lines of the whole snake, and a session's readings."""
     lines = (
         ("straight", ("ct", "ft0"), "Along the links", BLUE),
         ("bent", ("cn", "fn0"), "Across the links", RED),
@@ -102,14 +97,11 @@ def draw_friction(
         axis, last_m_s = names[0][1], BELT_M_S
         if session is not None:
             speed, force = friction_points(session, fit)[part]
-            voided = voided_points(session, fit)[part]
             last_m_s = 1.08 * float(speed.max())
             label = f"readings, {session.setup.provenance.kind}, ± 1 sigma"
             look = {"fmt": "o", "color": "black", "ms": 4, "lw": 0, "elinewidth": 1}
             errors = point_errors(session)[part]
             ax.errorbar(speed, force, *reversed(errors), label=label, zorder=3, **look)
-            if len(voided[0]):
-                ax.plot(*voided, "x", color=GREY, ms=7, label="voided")
             ax.legend(loc="lower right")
         slope, dry_n = (fit.parameters[name].value for name in names)
         rows = [list(fit.whole_snake).index(name) for name in names]
@@ -159,21 +151,17 @@ def hatch_beyond(ax: Axes, highest_hz: float | None, last_hz: float, servo: str)
 
 def draw_links(ax: Axes, run: Run, index: int, lift_m: float, colour: Any) -> None:
     """Draw the links of one recorded state as sticks, lifted, with a dot on the head."""
-    half = run.scene.robot.link_length_m / 2
     x, y, angle = run.x_m[index], run.y_m[index] + lift_m, run.theta_rad[index]
-    dx, dy = half * np.cos(angle), half * np.sin(angle)
-    ax.plot([x - dx, x + dx], [y - dy, y + dy], color=colour, lw=3.2, solid_capstyle="round")
-    ax.plot(x[-1] + dx[-1], y[-1] + dy[-1], "o", color=colour, ms=6)
+    ends = np.outer([-0.5, 0.5], run.scene.robot.link_length_m * np.exp(1j * angle)) + x + 1j * y
+    ax.plot(ends.real, ends.imag, color=colour, lw=3.2, solid_capstyle="round")
+    ax.plot(ends[-1, -1].real, ends[-1, -1].imag, "o", color=colour, ms=6)
 
 
 def draw_path(ax: Axes, run: Run) -> None:
     """Draw the paths of tail, head and centre of mass, with a key above them."""
-    for name, x, y, colour, width in (
-        ("tail", run.x_m[:, 0], run.y_m[:, 0], ORANGE, 1.0),
-        ("head", run.x_m[:, -1], run.y_m[:, -1], BLUE, 1.0),
-        ("centre of mass", *run.centre_m.T, "black", 2.0),
-    ):
-        ax.plot(x, y, color=colour, lw=width, label=name)
+    ax.plot(run.x_m[:, 0], run.y_m[:, 0], color=ORANGE, lw=1.0, label="tail")
+    ax.plot(run.x_m[:, -1], run.y_m[:, -1], color=BLUE, lw=1.0, label="head")
+    ax.plot(*run.centre_m.T, color="black", lw=2.0, label="centre of mass")
     ax.plot(0, 0, "o", mfc="white", mec="black", ms=7, zorder=5, label="start")
     ax.legend(loc="lower left", bbox_to_anchor=(-0.01, 0.985), ncols=4)
 

@@ -47,8 +47,6 @@ def show(*results: Result, answer: str | None = None, verbose: bool = False) -> 
     heads, cells = zip(*(result.table(verbose) for result in results), strict=True)
     if any(cells):
         table("", max(heads, key=len), list(itertools.chain(*cells)))
-    if any(result.table() != result.table(verbose) for result in results):
-        console.print("errors, margins and other powers: --verbose")
 
 
 def influence(fit: FrictionFit) -> None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base.errors import NotConverged
+from ..base.vectors import columns
 from ..friction.result import FrictionFit
 from ..model.gait import gait_name
 from ..periodic.steady import Steady, steady_gait
@@ -22,7 +23,7 @@ from ..session.session import Session
 from ..simulation.run import Run
 from .comparison_figure import draw_comparison, panels
 from .gaits.gait_figures import power_of
-from .plot import BLUE, COLOURS, columns, draw_friction, figure, hatch_beyond, heading
+from .plot import BLUE, COLOURS, draw_friction, figure, hatch_beyond, heading
 from .run_figure import run_figure
 from .session.floor_figure import draw_pushes
 
@@ -37,8 +38,7 @@ MOST_CURVES = 4  # Shapes of a sweep that can be told apart in one figure.
 
 def figure_of(result: Any, path: Path | None, **details: Any) -> Figure:
     """Return the figure of a result, written into a file if one is given."""
-    draw = next(draw for kind, draw in FIGURES.items() if isinstance(result, kind))
-    return draw(result, path, **details)
+    return FIGURES[type(result)](result, path, **details)
 
 
 def fit_figure(

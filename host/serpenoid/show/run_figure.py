@@ -22,6 +22,7 @@ from .plot import (
     draw_path,
     figure,
     heading,
+    robot_words,
 )
 
 if TYPE_CHECKING:
@@ -39,16 +40,11 @@ def run_figure(run: Run, path: Path | None) -> Figure:
     The path is turned so that the way from start to end lies along x.
     """
     ledger = run.energy_j.size > 0
-    run_along_x = along_travel(run)
-    # of the path, so that x as y fill its width
-    wide, high = (
-        np.ptp(v) + 1.2 * run.scene.robot.link_length_m for v in (run_along_x.x_m, run_along_x.y_m)
-    )
-    heights = [float(np.clip(8.0 * high / wide, 1.5, 4.5)), 2.0, 2.4][: 2 + ledger]
+    heights = [3.2, 2.0, 2.4][: 2 + ledger]
     high = sum(heights) + 0.8 * len(heights) + 0.9
     panels = {"rows": len(heights), "height_ratios": heights}
     with figure(9.0, high, path=path, **panels) as (fig, axes):
-        _path(axes[0], run_along_x)
+        _path(axes[0], along_travel(run))
         _speed(axes[1], run)
         if ledger:
             _energy(axes[2], run)
@@ -59,12 +55,8 @@ def run_figure(run: Run, path: Path | None) -> Figure:
 
 def scene_words(scene: Scene) -> str:
     """Say what was run: robot, gait, drive, start, slope, faults, model, method."""
-    robot = scene.robot
     start = scene.start if isinstance(scene.start, str) else "a given state"
-    parts = [
-        f"{robot.links} links of {robot.link_length_m:g} m, {robot.mass_kg:.4g} kg",
-        gait_name(scene.gait),
-    ]
+    parts = [robot_words(scene.robot, scene.ground), gait_name(scene.gait)]
     if scene.incline_rad:
         parts.append(f"slope of {math.degrees(scene.incline_rad):.3g}°")
     parts += [f"joint {j} limp" for j in scene.limp]

@@ -9,7 +9,7 @@ import numpy as np
 from ..simulation.core_run import ENERGY_COLUMNS
 from ..simulation.run import Run
 from ..simulation.scene_file import scene_values
-from .report import notices, show
+from .report import show, warn
 
 STATE = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
 FORCES = ("joint_force_x_n", "joint_force_y_n", "joint_torque_nm", "friction_x_n", "friction_y_n")
@@ -47,6 +47,6 @@ def run_summary(run: Run, errors: bool = True) -> dict[str, Any]:
 def show_run(run: Run, summary: dict[str, Any], verbose: bool) -> None:
     """Print what a run in time came to, after its warnings; its errors are those of the summary."""
     for warning in summary["warnings"]:
-        notices.print(f"warning: {warning}")
+        warn(warning)
     errors = [] if summary["error_estimate"] is None else [run.error_estimate]
     show(run, *errors, verbose=verbose)

@@ -20,8 +20,8 @@ TURN = "turn_rad_per_cycle"
 
 def write_sweep(grid_states: Sweep, path: Path) -> None:
     """Write a sweep of one robot and ground in the format that the suffix names."""
-    values = {name: getattr(grid_states, name) for name in grid_states.__match_args__}
-    arrays = {name: value for name, value in values.items() if value is not None}
+    names = grid_states.__match_args__
+    arrays = {k: value for k in names if (value := getattr(grid_states, k)) is not None}
     if path.suffix.lower() == ".npz":
         with whole_file(path) as part, part.open("wb") as file:  # NumPy renames an .NPZ
             np.savez_compressed(file, allow_pickle=False, **arrays)

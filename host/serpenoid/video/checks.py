@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import BadInput
+from ..base.vectors import columns
 from ..model.gait import Gait
 from .arrays import Array
 from .instrument import HELD_SHARE, Measured, held_joints
-from .made_gait import gait_doubt, joint_columns, measured_gait
+from .made_gait import gait_doubt, measured_gait
 from .motion import LEAST_PERIODS
 from .result import FilmedRun, Remark
 from .seeing.watch import Watched
@@ -151,7 +152,7 @@ def _lag_words(filmed: Filmed, _: float) -> str:
 def _centres(filmed: Filmed) -> tuple[Array, Array]:
     """Return by how much each joint's centre is off, rad, and that over the limit for a trim."""
     run, gait = filmed
-    offset, sigma = joint_columns(run.joints, "offset_rad", "offset_sigma_rad")
+    offset, sigma = columns(run.joints, "offset_rad", "offset_sigma_rad")
     excess = offset - (gait.offset_rad if gait else 0.0)
     return excess, np.abs(excess) / np.maximum(CENTRE_RAD, 2 * sigma)
 

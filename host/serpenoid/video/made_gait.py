@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import BadInput
+from ..base.vectors import columns
 from ..model.capture_rate import OPTION, played_hz
 from ..model.gait import Gait, gait_name
 from .arrays import Array
-from .result import FilmedRun, FilmMeasurement, Joint, track_rows
+from .result import FilmedRun, FilmMeasurement, track_rows
 
 RATE_FLAG = 0.02  # relative difference from the commanded rate that is worth a remark
 LEAST_GAIN = 0.5  # of amplitudes: no servo loses more
@@ -22,17 +23,12 @@ WHOLE_TOLERANCE = 0.03  # relative distance from a whole number of a phone's slo
 STEPS_RAD = np.radians(np.arange(-180.0, 180.0, 0.5))  # phase lags that are tried
 
 
-def joint_columns(joints: Sequence[Joint], *names: str) -> Array:
-    """Return an array for each attribute of the joints."""
-    return np.array([[getattr(joint, name) for joint in joints] for name in names])
-
-
 def measured_gait(run: FilmedRun, gait: Gait | None) -> Gait:
     """Return the gait that the joints made: gains and shifts beside the commanded one.
 
     Without a commanded gait: beside the mean amplitude and the even steps that fit best.
     """
-    amplitude, phase, offset = joint_columns(run.joints, "amplitude_rad", "phase_rad", "offset_rad")
+    amplitude, phase, offset = columns(run.joints, "amplitude_rad", "phase_rad", "offset_rad")
     alpha = gait.alpha_rad if gait else float(amplitude.mean())
     steps = np.array([gait.beta_rad]) if gait else STEPS_RAD
     phasors = np.exp(1j * (phase - steps[:, None] * np.arange(len(phase))))
@@ -87,7 +83,7 @@ def film_cells(film: FilmMeasurement, planned: Sequence[Gait] = ()) -> tuple[dic
     if words := gait_doubt(run, film.gait, planned):
         raise BadInput(f"{run.film['name']}: {words}")
     gait = measured_gait(run, film.gait)
-    (sigma,) = joint_columns(run.joints, "amplitude_sigma_rad")
+    (sigma,) = columns(run.joints, "amplitude_sigma_rad")
     cells = {
         "alpha_deg": math.degrees(gait.alpha_rad),
         "beta_deg": math.degrees(gait.beta_rad),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...base.vectors import columns
 from ...gaits.least_power import LeastPower
 from ...paper.study import Comparison
 from ...periodic.sweep import Sweep
@@ -15,7 +16,6 @@ from ..plot import (
     BLUE,
     ORANGE,
     RED,
-    columns,
     figure,
     heading,
 )

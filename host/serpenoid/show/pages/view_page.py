@@ -106,7 +106,7 @@ def follow(
 
 def _motion(robot: Robot, states: Array, joint_rad: Array, joint_rad_s: Array) -> list[Array]:
     """Return all links from centre of mass and link 1, (N, 6), and the joints, (N, n-1)."""
-    x, y, theta, vx, vy, turning = (states[:, [k]] for k in range(6))
+    x, y, theta, vx, vy, turning = np.split(states, 6, axis=1)
     angle = np.cumsum(np.hstack([theta, joint_rad]), axis=1)
     rate = np.cumsum(np.hstack([turning, joint_rad_s]), axis=1)
     levers = robot.link_length_m * lever_matrix(robot.links).T

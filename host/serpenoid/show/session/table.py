@@ -21,10 +21,7 @@ def rows(session: Session) -> list[list[str]]:
 
 def show(session: Session, parts: list[tuple[str, str]]) -> None:
     """Print what was read, then how far each part of the plan is."""
-    lines = rows(session)
-    shown = [k for k, name in enumerate(COLUMNS) if name != "state" or any(row[k] for row in lines)]
-    cells = [[row[k] for k in shown] for row in lines]
-    report.table(session.setup.name, [COLUMNS[k] for k in shown], cells, len(shown))
+    report.table(session.setup.name, COLUMNS, rows(session), len(COLUMNS))
     for name, state in parts:
         report.console.print(f"{name:14} {state}")
     for note in notes(session):

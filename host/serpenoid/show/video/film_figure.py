@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from pathlib import Path
 from typing import Any
 
@@ -75,13 +74,10 @@ def _cells(film: FilmMeasurement) -> tuple[list[str], list[list[str]]]:
     """Return heads and cells of the joints' table, with what was commanded where it is known."""
     cells = []
     for joint in film.run.joints:
-        pairs_rad = (
-            (joint.amplitude_rad, joint.amplitude_sigma_rad),
-            (joint.offset_rad, joint.offset_sigma_rad),
-            (joint.phase_rad, joint.phase_sigma_rad),
-        )
-        row = [str(joint.joint)]
-        row += [f"{math.degrees(a):.2f} ± {math.degrees(sigma):.2f}" for a, sigma in pairs_rad]
+        values_rad = joint.amplitude_rad, joint.offset_rad, joint.phase_rad
+        sigmas_rad = joint.amplitude_sigma_rad, joint.offset_sigma_rad, joint.phase_sigma_rad
+        pairs_deg = np.degrees([values_rad, sigmas_rad]).T
+        row = [str(joint.joint), *(f"{value:.2f} ± {sigma:.2f}" for value, sigma in pairs_deg)]
         if film.gait:
             row.append(f"{joint.amplitude_rad / max(film.gait.alpha_rad, 1e-9):.0%}")
         cells.append([*row, f"{joint.seen:.0%}"])

@@ -58,9 +58,10 @@ def tag_sheet(
     for k, place in enumerate(places):
         _tag(ax, cells[k], k + 1, side_mm, *place)
     x, y = MARGIN_MM + 4, MARGIN_MM + 6
-    ax.plot([x, x + RULER_MM], [y, y], color=BLACK, lw=0.8)
-    for mm in range(0, RULER_MM + 1, 10):
-        ax.plot([x + mm, x + mm], [y, y + 5], color=BLACK, lw=0.5)
+    ticks_mm = np.arange(0, RULER_MM + 1, 10)
+    ax.hlines(y, x, x + RULER_MM, color=BLACK, lw=0.8)
+    ax.vlines(x + ticks_mm, y, y + 5, color=BLACK, lw=0.5)
+    for mm in ticks_mm:
         ax.text(x + mm, y - 1, str(mm), fontsize=7, ha="center", va="top")
     words = f"{RULER_MM} mm: check with a ruler before you cut"
     ax.text(x + RULER_MM + 5, y, words, fontsize=8, va="bottom")
