@@ -81,8 +81,8 @@ def sweep_figure(grid: Sweep, path: Path | None) -> Figure:
     """Draw speed and power of a few shapes over frequency; power over speed of many."""
     hertz, title = grid.omega_rad_s / math.tau, grid.in_words().replace(". ", ".\n")
     names = "speed_m_s", "power_w", "servo_speed_m_s", "servo_low_m_s", "servo_high_m_s"
-    known = [getattr(grid, name) for name in names if getattr(grid, name) is not None]
-    tables = [values.reshape(-1, hertz.size) for values in known]
+    tables = [getattr(grid, name) for name in names if getattr(grid, name) is not None]
+    tables = [values.reshape(-1, hertz.size) for values in tables]
     shapes = list(product(np.degrees(grid.alpha_rad), np.degrees(grid.beta_rad)))
     if len(tables[0]) > MOST_CURVES:
         return power_of(grid, [], title, path)
