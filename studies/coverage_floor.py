@@ -15,19 +15,19 @@ from typing import Any
 import numpy as np
 from coverage_treadmill import GAIT, SERVOS, WHOLE_2005, WHOLE_SNAKE, DrivenTable
 from numpy.typing import NDArray
-from serpenoid import FrictionFit, Gait, SerpenoidError, ServoKind, fit_friction
+from serpenoid import FrictionFit, Gait, SerpenoidError, ServoKind, compare, fit_friction
 from serpenoid.friction.parameters import FRICTIONS
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.recording import Camera
 from serpenoid.periodic.servo_steady import band
 from serpenoid.prediction.speeds import AMPLITUDE_SIGMA, scaled, speed
 from serpenoid.session.settings import Setup
-from serpenoid.taking.new_session import PUSHES, default_setup
+from serpenoid.taking.new_session import CRAWLS, PUSHES, default_setup
 from serpenoid.taking.simulated import SimulatedPerson
 from serpenoid.taking.treadmill import take_all
 from simulated_sessions import MemoryRecord, drawn_truth
 from speed_table import SpeedTable
-from study import Study
+from study import Study, kolmogorov
 
 WHEELS_KG = 0.036
 UNSEEN = tuple(
@@ -79,7 +79,8 @@ class FloorCoverage:
     relative errors. half_widths: of the intervals, relative, the median, those of the two speeds
     last. unseen, unseen_90: median and 90th percentile of the relative error of six gaits' speeds,
     by quick servos, the joints' amplitude known. unseen_commanded: the median with the amplitude as
-    commanded.
+    commanded. kolmogorov: of the p-values of fits, and of `compare` with two filmed gaits, as
+    `kolmogorov` has it.
     """
 
     case: str
@@ -97,6 +98,7 @@ class FloorCoverage:
     unseen: float
     unseen_90: float
     unseen_commanded: float
+    kolmogorov: tuple[float, float]
 
 
 def floor_setup(case: FloorCase) -> Setup:
@@ -144,7 +146,9 @@ def run_floor_session(
     rng = np.random.default_rng([seed, grain, case.pushes, number])
     amplitude = 1.0 + AMPLITUDE_SIGMA * float(rng.normal())
     person = drawn_person(case, rng, amplitude)
-    session = take_all(MemoryRecord(floor_setup(case)), person)
+    setup = floor_setup(case)
+    setup = replace(setup, plan=replace(setup.plan, gaits=CRAWLS))
+    session = take_all(MemoryRecord(setup), person)
     try:
         fit = fit_friction(session, seed=number)
     except SerpenoidError:
@@ -161,6 +165,8 @@ def run_floor_session(
         *(ends[:, 1] - ends[:, 0]) / true / 2,
         *errors,
         *gait_errors,
+        fit.p_value or math.nan,
+        compare(session, fit, servo=case.kind).p_value or math.nan,
     ]
 
 
@@ -201,6 +207,7 @@ def judged_floor(case: FloorCase, rows: list[list[float] | None]) -> FloorCovera
         unseen=float(middle[16]),
         unseen_90=float(np.quantile(fitted[:, 16], 0.9)),
         unseen_commanded=float(middle[17]),
+        kolmogorov=(kolmogorov(fitted[:, 18].tolist()), kolmogorov(fitted[:, 19].tolist())),
     )
 
 

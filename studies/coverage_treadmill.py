@@ -28,7 +28,7 @@ from serpenoid.taking.simulated import SimulatedPerson
 from serpenoid.taking.treadmill import take_all
 from simulated_sessions import MemoryRecord, drawn_truth
 from speed_table import SpeedTable
-from study import Study
+from study import Study, kolmogorov
 
 WHOLE_2005 = Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
 WHOLE_SNAKE = np.array([getattr(WHOLE_2005, name) for name in FRICTIONS])
@@ -68,7 +68,8 @@ class Coverage:
     GAIT, whose joints stand off, swing by an amplitude of their own, and have a hobby servo drawn
     at random, by the band of frictions, joints and servos that every command shows. refused:
     sessions whose readings could not tell all four parameters. readings: mean number. half_widths:
-    of the intervals, relative, the median; those of the two speeds last.
+    of the intervals, relative, the median; those of the two speeds last. kolmogorov: of the fits'
+    p-values, as `kolmogorov` has it.
     """
 
     case: str
@@ -83,6 +84,7 @@ class Coverage:
     driven: float
     sigma: float
     half_widths: tuple[float, ...]
+    kolmogorov: float
 
 
 def shown_in_steps(setup: Setup, step_deg: float) -> Setup:
@@ -154,7 +156,8 @@ def run_session(
     )
     true = np.append(WHOLE_SNAKE, [float(table(WHOLE_SNAKE[None, :])[0]), crawls])
     inside_flags = (ends[:, 0] <= true) & (true <= ends[:, 1])
-    return [*inside_flags, *(ends[:, 1] - ends[:, 0]) / true / 2, len(session.kept_stations)]
+    half_widths = (ends[:, 1] - ends[:, 0]) / true / 2
+    return [*inside_flags, *half_widths, len(session.kept_stations), fit.p_value or math.nan]
 
 
 def judged(case: Case, rows: list[list[float] | None]) -> Coverage:
@@ -170,6 +173,7 @@ def judged(case: Case, rows: list[list[float] | None]) -> Coverage:
         *shares,
         sigma=math.sqrt(0.95 * 0.05 / len(fitted)),
         half_widths=tuple(widths),
+        kolmogorov=kolmogorov(fitted[:, 13].tolist()),
     )
 
 

@@ -51,9 +51,10 @@ def check_readings(session: Session, stations: Stations, min_count: int) -> None
         rows = stations.parts[part]
         count, speeds_m_s = int(rows.sum()), stations.slip_m_s * across
         span_m_s = float(np.ptp(speeds_m_s[rows]) / across[rows].mean()) if count else 0.0
+        readings = count_text(count, f"{part} reading")
         if count < min_count or span_m_s < needed_m_s:
             raise BadInput(
-                f"{session.where}: {names} cannot be told from {count} {part} reading(s) whose "
+                f"{session.where}: {names} cannot be told from {readings} whose "
                 f"speeds span {span_m_s:.2g} m/s; they need at least {min_count}, {pose}, whose "
                 f"belt speeds span {needed_m_s:.2g} m/s (0.2 and 0.8 m/s, say); take more"
             )
