@@ -62,17 +62,15 @@ STEEPEST_PUSH_DEG = 42.0
 PUSHES, GAIT_RUNS = 8, 2  # on a floor, in each bend; of each gait, on a floor there and back
 # On a floor: away from the cliff, far from each other, and little moved by a slope. All planned
 # gaits are such that a typical hobby servo follows them at 4.8 V.
-CRAWLS = tuple(
-    Gait(math.radians(alpha), math.radians(beta), 2 * math.pi * hz)
-    for alpha, beta, hz in ((70, 60, 0.6), (80, 75, 0.45))
+CRAWLS = (
+    Gait.degrees(70, 60, frequency_hz=0.6),
+    Gait.degrees(80, 75, frequency_hz=0.45),
 )
 
 
 def default_setup(name: str) -> Setup:
     """Return the set-up that is proposed: the 2005 robot, a home treadmill, bends to 30 degrees."""
-    gaits = tuple(
-        Gait(math.radians(70), math.radians(75), 2 * math.pi * hz) for hz in (0.25, 0.4, 0.6)
-    )
+    gaits = tuple(Gait.degrees(70, 75, frequency_hz=hz) for hz in (0.25, 0.4, 0.6))
     return Setup(
         name,
         Provenance(kind="measured", source="taken with `serpenoid calibrate`", note="none"),

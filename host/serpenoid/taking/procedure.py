@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..base.checks import count_text
+from ..model.gait import gait_name
 from ..session.declaration import Cells, Observation, Range, Values
 from ..session.gait_run import GaitRun
 from ..session.push import WAYS, Push
@@ -278,19 +279,17 @@ def _gait_run(session: Session) -> Step | None:
         key = f"gait {number}.{runs + 1}"
         if runs >= plan.gait_runs or key in session.skipped:
             continue
-        alpha_deg, beta_deg = math.degrees(gait.alpha_rad), math.degrees(gait.beta_rad)
         # On a floor there and back, so that its slope cancels.
         way = WAYS[runs % 2] if floor else "level"
         where = f"along the line of the pushes, {way.upper()}" if floor else "level ground"
         say = (
             f"Gait run {runs + 1} of {plan.gait_runs}, {where}, of the same surface: "
-            f"alpha {alpha_deg:g} deg, beta {beta_deg:g} deg, "
-            f"{gait.omega_rad_s / (2 * math.pi):.3g} Hz. Once it goes steadily, film it from above "
-            "for two cycles at least, or time it between two marks."
+            f"{gait_name(gait)}. Once it goes steadily, film it from above for two cycles at "
+            "least, or time it between two marks."
         )
         cells: Values = {
-            "alpha_deg": alpha_deg,
-            "beta_deg": beta_deg,
+            "alpha_deg": math.degrees(gait.alpha_rad),
+            "beta_deg": math.degrees(gait.beta_rad),
             "omega_rad_s": gait.omega_rad_s,
             "way": way,
         }

@@ -31,7 +31,7 @@ class Console:
         """Print, long lines wrapped at words."""
         width = max(shutil.get_terminal_size((100, 24)).columns - 1, 20)
         for line in visible(text).split("\n"):
-            print("\n".join(textwrap.wrap(line, width)) if len(line) > width else line, flush=True)
+            print(textwrap.fill(line, width) if len(line) > width else line, flush=True)
 
     def ask(self, prompt: str, patience_s: float, tick: Callable[[], None]) -> str | None:
         """Return a line, None if none came in time; raises EOFError at the end of the input.

@@ -206,7 +206,5 @@ def _check_times(t: Floats, column: Column) -> None:
         doubt = f"says {1 / step_s:.3g} pictures a second: its unit is wrong"
     elif column.unit is None and step_s > MAX_STEP_S:
         doubt = f"has no unit and rises by {step_s:.4g} from one place to the next, like ms"
-    elif column.unit is None and t[0] == 0.0 and t[-1] == 1.0:
-        doubt = "has no unit and runs from 0 to 1, like a normalized time"
     if doubt:
         raise BadInput(f"{column.name} {doubt}; {TIME_ADVICE}")

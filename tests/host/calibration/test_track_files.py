@@ -109,11 +109,6 @@ def test_places_that_were_not_seen_are_left_out(tmp_path):
             None,
             "in 'normalized', .*export the time in s or ms",
         ),
-        (
-            kinovea_table(ROWS, time="Time", seconds=ROWS[-1, 0]),
-            None,
-            "from 0 to 1, like a normalized",
-        ),
         (kinovea_table(ROWS, time="Time"), None, "rises by 33.3.* like ms"),
         (kinovea_table(ROWS, time="Time", seconds=1 / 30), None, "rises by 1 from one place"),
         (kinovea_table(ROWS, time="Time (ms)", seconds=1.0), None, r"3e\+04 pictures a second"),

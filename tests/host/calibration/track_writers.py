@@ -6,9 +6,8 @@ METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048, "yd": 0
 SECONDS = {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "min/100": 0.6, "hour/10000": 0.36}
 
 
-def spelled(value, comma=False, digits=5):
-    text = f"{value:.{digits}f}"
-    return text.replace(".", ",") if comma else text
+def spelled(value, comma):
+    return f"{value:.5f}".replace(".", "," if comma else ".")
 
 
 def tracker(rows, unit="m", separator="\t", comma=False, points=("mass A",), first="t"):
@@ -25,12 +24,12 @@ def tracker(rows, unit="m", separator="\t", comma=False, points=("mass A",), fir
     return "\n".join(lines) + "\n"
 
 
-def kinovea_table(rows, unit="cm", time="Time (ms)", seconds=1e-3, separator=",", point="Track 1"):
+def kinovea_table(rows, unit="cm", time="Time (ms)", seconds=1e-3, separator=","):
     """Kinovea's kinematics dialog, or its trajectory CSV where no unit is in the names."""
-    comma, of_length = separator == ";", f" ({unit})" if unit else ""
-    names = [time, f"{point}/X{of_length}", f"{point}/Y{of_length}"]
+    comma, of_length = separator == ";", f" ({unit})"
+    names = [time, f"Track 1/X{of_length}", f"Track 1/Y{of_length}"]
     lines = [separator.join(f'"{name}"' for name in names)]
     for t, x, y in rows:
-        numbers = [t / seconds, *(v / METRES.get(unit, 0.01) for v in (x, y))]
+        numbers = [t / seconds, *(v / METRES.get(unit, 1.0) for v in (x, y))]
         lines.append(separator.join(f'"{spelled(v, comma)}"' for v in numbers))
     return "\r\n".join(lines) + "\r\n"
