@@ -42,9 +42,9 @@ MAX_ANGLE_SIGMA_DEG = math.degrees(0.2)  # beyond it no linear law of small angl
 MAX_PLACE_SIGMA_M = 0.05  # of a place; a tape is read to 1 to 5 mm, a film to 1 to 3 mm
 
 
-def text_field(note: str = "") -> Any:
+def text_field(note: str = "", words: str = "") -> Any:
     """Declare a text that says something."""
-    return word_field(default=MISSING, blank=False, note=note)
+    return word_field(default=MISSING, blank=False, note=note, words=words)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +62,7 @@ class Provenance(SettingsTable):
 class RobotTable(SettingsTable):
     """The table [robot]. mass_kg: of the whole robot; None: nobody has weighed it yet."""
 
-    links: int = number_field(2, MAX_LINKS)
+    links: int = number_field(2, MAX_LINKS, words="number of links")
     link_length_m: float = number_field(
         0.001,
         10.0,
@@ -157,7 +157,10 @@ class RobotTable(SettingsTable):
 class Laboratory(SettingsTable):
     """The table [laboratory]; friction holds for its surface alone."""
 
-    surface: str = text_field("what the wheels roll on; friction holds for it")
+    surface: str = text_field(
+        "what the wheels roll on; friction holds for it",
+        "what the wheels roll on (the belt's or the floor's surface)",
+    )
     place: str = text_field()
     people: str = text_field()
     gravity_m_s2: float = number_field(high=MAX_GRAVITY_M_S2, open_low=True)
@@ -227,7 +230,9 @@ class Instruments(SettingsTable):
         note="what the treadmill can be set to",
     )
     belt_speed_unit: str = word_field(
-        *BELT_UNITS, note="that the treadmill shows: of a speed typed without one"
+        *BELT_UNITS,
+        words="unit of the belt's speed (m/s, km/h, mph)",
+        note="that the treadmill shows: of a speed typed without one",
     )
     belt_speed_step_m_s: float = number_field(
         high=MAX_SPEED_M_S,

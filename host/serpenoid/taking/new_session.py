@@ -13,7 +13,7 @@ from ..base.errors import BadInput, RecordingFailed
 from ..base.files import write_text
 from ..model.bends import FEWEST_LINKS
 from ..model.gait import Gait
-from ..session.declaration import BELT_UNITS, Values
+from ..session.declaration import Values
 from ..session.folder import read_session
 from ..session.journal import csv_line, utc_now
 from ..session.rows import EVENT_COLUMNS, READING_COLUMNS
@@ -31,24 +31,17 @@ from .parse_number import bare_unit
 from .steps import Doubts
 
 NOT_SAID, LATER = "not said", "later"  # answers of people; what is measured later stays empty
-# What `calibrate new` asks, by keys of session.toml, in words where the key's table has none.
-QUESTIONS = {
-    "surface": "what the wheels roll on (the belt's or the floor's surface)",
-    "links": "number of links",
-    "joint_sigma_deg": "",
-    "belt_speed_unit": f"unit of the belt's speed ({', '.join(BELT_UNITS)})",
-    "mass_kg": "",
-    "link_length_m": "",
-    "supply_v": "",
-    "wheels_kg": "",
-    "incline_sigma_deg": "",
-    "incline_step_percent": "",
-    "belt_speed_step_m_s": "",
-    "belt_speed_least_m_s": "",
-}
-ELSEWHERE = {  # questions that have no meaning at a place
-    "treadmill": ("wheels_kg",),
-    "floor": tuple(key for key in QUESTIONS if key.startswith(("belt", "incline"))),
+ROBOT = ("surface", "links", "joint_sigma_deg", "mass_kg", "link_length_m", "supply_v")
+QUESTIONS = {  # keys of session.toml that `calibrate new` asks for at a place
+    "treadmill": (
+        *ROBOT,
+        "incline_sigma_deg",
+        "incline_step_percent",
+        "belt_speed_unit",
+        "belt_speed_step_m_s",
+        "belt_speed_least_m_s",
+    ),
+    "floor": (*ROBOT, "wheels_kg"),
 }
 SIGMAS_OF_STEP = math.sqrt(12)  # the smallest step of an instrument over its standard deviation
 # Zeros of phones and cheap inclinometers are 0.3 to 0.5 deg off. With 0.1 deg assumed, the interval
@@ -106,9 +99,9 @@ def ask_answers(
 
     def fill() -> dict[str, Any]:
         answers = dict(options)
-        for key, words in QUESTIONS.items():
-            if key not in ELSEWHERE[place] and answers.get(key) is None:
-                answers[key] = _answer(asker, setup, key, words)
+        for key in QUESTIONS[place]:
+            if answers.get(key) is None:
+                answers[key] = _answer(asker, setup, key)
         return answers
 
     while True:
@@ -118,20 +111,20 @@ def ask_answers(
             asker.say("  ! nothing was asked before this")
 
 
-def _answer(asker: Asker, setup: Setup, key: str, words: str) -> Any:
+def _answer(asker: Asker, setup: Setup, key: str) -> Any:
     """Ask for one key; return its value, "" where it is to be measured later."""
     table = next(table for table in setup.tables.values() if key in table.declared)
     field, usual = table.declared[key], getattr(table, key)
-    if key == "belt_speed_unit":
-        asker.belt_unit = field.check(asker.ask(f"{words} [km/h]: ", "km/h"))
-        return asker.belt_unit
     if not field.is_number:
-        return field.check(asker.ask(f"{words} [{usual}]: ", usual))
+        usual = "km/h" if field.choices else usual
+        word = field.check(asker.ask(f"{field.words} [{usual}]: ", usual))
+        asker.belt_unit = word if field.choices else ""
+        return word
     if key == "incline_sigma_deg":
         usual *= SIGMAS_OF_STEP
     unit = bare_unit(field, asker.belt_unit)
     shown = LATER if field.optional else f"{usual / field.units[unit]:.2g} {unit}".rstrip()
-    text = asker.ask(f"{field.words or words} [{shown}]: ", shown)
+    text = asker.ask(f"{field.words} [{shown}]: ", shown)
     if field.optional and text.lower() == LATER:
         return ""
     likely = field.likely or (field.low, field.high)

@@ -17,6 +17,9 @@ import numpy as np
 
 from ..base.checks import count_text
 from ..model.gait import gait_name
+from ..servos.catalogue import HOBBY
+from ..servos.speed_limit import too_fast_text
+from ..session.crawls import driving
 from ..session.declaration import Cells, Observation, Range, Values
 from ..session.gait_run import GaitRun
 from ..session.push import WAYS, Push
@@ -285,8 +288,9 @@ def _gait_run(session: Session) -> Step | None:
         say = (
             f"Gait run {runs + 1} of {plan.gait_runs}, {where}, of the same surface: "
             f"{gait_name(gait)}. Once it goes steadily, film it from above for two cycles at "
-            "least, or time it between two marks."
-        )
+            "least, or time it between two marks. "
+            f"{too_fast_text(gait, driving(session.setup, HOBBY))}"
+        ).rstrip()
         cells: Values = {
             "alpha_deg": math.degrees(gait.alpha_rad),
             "beta_deg": math.degrees(gait.beta_rad),

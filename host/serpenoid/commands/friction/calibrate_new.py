@@ -75,12 +75,4 @@ def new(
         source = replace(setup_answered.provenance, kind="simulated", source=f"simulated {on}")
         setup_answered = replace(setup_answered, provenance=source)
     create_session(folder, setup_answered)
-    from ...model.gait import gait_name
-    from ...servos.catalogue import HOBBY
-    from ...servos.speed_limit import too_fast_text
-    from ...session.crawls import driving
-
-    for gait in setup_answered.plan.gaits:
-        if too_fast := too_fast_text(gait, driving(setup_answered, HOBBY), gait_name(gait)):
-            say(f"serpenoid: warning: {too_fast}", err=True)
     return say(f"begun: {folder / 'session.toml'}; go on with `serpenoid calibrate {folder}`")
