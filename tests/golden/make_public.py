@@ -48,7 +48,7 @@ ANSWERS = (  # MINE is a session with a crawl; BENCH a servo's test
     f"optimize {THREE_LINKS} --speed-m-s 0.03",
     "optimize --robot DIR --speed-m-s 0.03 --servo ideal",
     "simulate --scene SCENE --duration-s 0.5",
-    "fit DIR --influence",
+    "fit DIR",
     "fit MINE",
     f"compare DIR {NEXT}",
     f"advise DIR {NEXT}",
@@ -56,7 +56,6 @@ ANSWERS = (  # MINE is a session with a crawl; BENCH a servo's test
     "calibrate status MINE",
     "servo --test BENCH",
     "video FILM",
-    "view SCENE --out view.html",
     f"drive --port virtual:fast {GAIT} --duration-s 1",
     "doctor --port virtual:fast --listen-s 1",
 )

@@ -120,15 +120,15 @@ def trim(port: str | None) -> None:
 
 
 @command()
-@flag("--all", "everything", "Every telemetry line, not one a second.")
-def monitor(port: str | None, everything: bool) -> None:
+def monitor(port: str | None) -> None:
     """Talk to the board: each line is checked, `!` and Enter stop the robot, Ctrl-C leaves.
 
+    Of telemetry, which `set every` thins out, one line in fifty is shown.
     Lines from a pipe are sent one by one: `echo status | serpenoid monitor`.
     """
     from ..robot.tools.monitor import converse
 
-    converse(port, 1 if everything else 50)
+    converse(port)
 
 
 DRIVE_SERVOS = 64  # sampled servos for the range of the predicted speed; they take a second

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import shutil
-import webbrowser
 from collections.abc import Callable
 from dataclasses import fields, replace
 from pathlib import Path
@@ -127,9 +126,6 @@ def simulate(
     scene = make_scene(base, snake, servo, {n: v for n, v in values.items() if v is not None})
     if scene.formulation == "explicit":
         refuse_unused(settings, PINNED, "joint_stiffness_n_m", "joint_damping_n_s_m", "gap")
-    if accuracy is not None or not scene.adaptive:
-        steps = f"--accuracy chooses it, and method {scene.method!r} takes fixed steps, dt_s"
-        refuse_unused(settings, steps, "tolerance")
     if saved_path is not None:
         sn.save_scene(scene, saved_path)
 
@@ -177,11 +173,8 @@ def make_scene(base: sn.Scene | None, snake: Snake, servo: str | None, values: V
     "Page to write; it needs no other file. The scene's or recording's name, unless given.",
     type=OutFile(".html"),
 )
-@flag("--open", "open_it", "Open the page in the browser.")
 @settings(*ROBOT, *FRICTION)
-def view(
-    what: Path, robot: str | None, page: Path | None, open_it: bool, settings: Values, as_json: bool
-) -> None:
+def view(what: Path, robot: str | None, page: Path | None, settings: Values) -> None:
     """Write a page in which the snake crawls: play and scrub; slip and sticking of wheels.
 
     It takes a scene file, or a recording of `serpenoid drive --record`. Of a recording it shows
@@ -201,7 +194,7 @@ def view(
         scene = sn.load_scene(what)
         run = busy("simulating", lambda _: sn.simulate(scene))
         about = scene_words(scene).replace("\n", "; ")
-        gait, shown = scene.gait, view_page.of_run(run)
+        shown = view_page.of_run(run)
     else:
         snake = make_snake(robot, settings)
         arguments = load_stream(what), snake.robot, snake.ground
@@ -211,12 +204,7 @@ def view(
             f"{', changed' if settings else ''} from the set-points that the firmware reported"
         )
     view_page.write_page(page, what.stem.replace("_", " "), about, shown)
-    if open_it:
-        webbrowser.open(page.resolve().as_uri())
-    if as_json:
-        show_json({"page": str(page), "duration_s": shown["t_s"][-1], "gait": describe(gait)})
-    else:
-        say(f"wrote {page}; open it in a browser")
+    say(f"wrote {page}; open it in a browser")
 
 
 BROUGHT = Path(_core.__file__).parent

@@ -18,7 +18,7 @@ def folder(tmp_path):
 
 
 def test_fit_shows_whole_and_per_link_values_and_keeps_them(folder):
-    shown = run(f"fit --influence {folder}").stdout
+    shown = run(f"fit --verbose {folder}").stdout
     assert "ct_whole" in shown
     assert "each of 6 links" in shown
     assert "0.084" in shown

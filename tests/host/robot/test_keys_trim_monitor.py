@@ -48,7 +48,7 @@ def test_trim_stops_the_robot_however_it_is_left(how):
 def test_monitor_whose_reader_goes_away_stops_the_robot():
     with FakeBoard() as fake:
         child = subprocess.Popen(
-            program(f"monitor --all --port {fake.port}"),
+            program(f"monitor --port {fake.port}"),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

@@ -8,7 +8,7 @@ import serpenoid as sn
 
 from ...base.checks import NOT_NEGATIVE, Limits
 from ...show.screen import say
-from ..declare import OutFile, Setting, Values, chosen, command, flag, option, settings
+from ..declare import OutFile, Setting, Values, chosen, command, option, settings
 from ..options import PLUG, busy, session_fit, show_json, take_servo, tell, tell_alarms
 
 SAMPLES = Setting("samples", "frictions drawn from the fit", "", Limits(16, 4096), "64")
@@ -37,13 +37,11 @@ def measured(
     choice=["joint", "naive"],
     default="joint",
 )
-@flag("--influence", "List what every reading does to the fit.")
 @option("--save/--no-save", "Keep it as fit.json beside the readings (not if naive).", default=True)
 def fit(
     session: Path,
     method: str,
     figure: Path | None,
-    influence: bool,
     save: bool,
     verbose: bool,
     as_json: bool,
@@ -52,7 +50,8 @@ def fit(
 
     Gait runs stay out: `compare` tests predictions by them.
 
-    Prints the whole snake's friction and each link's; --robot DIR gives it to any other command.
+    Prints the whole snake's friction and each link's, and with --verbose what every reading does
+    to them; --robot DIR gives it to any other command.
     """
     from ...show import report
 
@@ -69,7 +68,7 @@ def fit(
     else:
         report.show(fit, verbose=verbose)
         say("\n".join(fit.remarks))
-        if influence:
+        if verbose:
             report.influence(fit)
     if save and method != "naive":
         sn.save_fit(fit, session)

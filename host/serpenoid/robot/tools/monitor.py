@@ -12,18 +12,19 @@ from ..wire.protocol import Telemetry, Verdict, parse, unseal
 
 HELP = "type `help` and Enter; a line with ! stops the robot; Ctrl-C or Ctrl-D stops it and leaves"
 
+FRAMES_A_LINE = 50  # telemetry lines of which one is printed: one a second
 UNATTENDED_S = 86400.0  # a person may think between two lines
 
 
 class MonitoredBoard(RobotBoard):
     """A board whose lines are printed as they come, once it is opened.
 
-    frames_a_line: of so many telemetry lines one is printed. Verdicts on pings are left out.
+    Verdicts on pings are left out, and telemetry but for one line in FRAMES_A_LINE.
     """
 
-    def __init__(self, port: str | None, frames_a_line: int):
+    def __init__(self, port: str | None):
         super().__init__(port, unattended_s=UNATTENDED_S)
-        self._frames_a_line, self._frames = frames_a_line, 0
+        self._frames = 0
         self.shown = False
 
     def _take_line(self, line: bytes) -> None:
@@ -42,7 +43,7 @@ class MonitoredBoard(RobotBoard):
             return f"damaged: {error}"
         if isinstance(message, Telemetry):
             self._frames += 1
-            return "" if self._frames % self._frames_a_line else text
+            return "" if self._frames % FRAMES_A_LINE else text
         pending = self._talk and self._talk.inbox.pending
         is_ping = pending and pending.text == "ping"
         return "" if is_ping and isinstance(message, Verdict) else text
@@ -58,12 +59,12 @@ class MonitoredBoard(RobotBoard):
             print(visible(str(error)), flush=True)
 
 
-def converse(port: str | None, frames_a_line: int) -> None:
+def converse(port: str | None) -> None:
     """Open a port and let a person talk until the input ends or Ctrl-C; the robot is stopped.
 
     Raises what RobotBoard raises, RobotError where nothing can be shown any more.
     """
-    robot = MonitoredBoard(port, frames_a_line)
+    robot = MonitoredBoard(port)
     with suppress(KeyboardInterrupt), robot:
         robot.shown = True
         if sys.stdout is not None and sys.stdout.isatty():  # it may be closed
