@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from .periodic.sweep import Sweep, sweep
     from .prediction.advice import Advice, advise
     from .prediction.comparison import Comparison, compare
-    from .servos.catalogue import servo
-    from .servos.servo_file import load_servo, save_servo
+    from .servos.catalogue import load_servo, save_servo, servo
     from .session.folder import load_session
     from .session.session import Session
     from .simulation.run import Run
@@ -56,8 +55,7 @@ _HOMES = {
     "periodic.servo_steady": ("ServoSteady",),
     "simulation.steady_gait": ("steady_gait",),
     "periodic.steady": ("Steady",),
-    "servos.catalogue": ("servo",),
-    "servos.servo_file": ("load_servo", "save_servo"),
+    "servos.catalogue": ("servo", "load_servo", "save_servo"),
     "periodic.sweep": ("Sweep", "sweep"),
     "simulation.steady_springs": ("SteadySprings", "steady_springs"),
     "simulation.scene": ("Scene",),

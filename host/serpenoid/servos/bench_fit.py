@@ -91,19 +91,10 @@ class MeasuredServo:
         return [name for name in self.values if name not in self.determined]
 
 
-class _Fit(NamedTuple):
-    """A model of the table, and the maxima of its posterior, the highest first."""
-
-    model: BenchModel
-    maxima: list[Maximum]
-
-    @property
-    def log_mass(self) -> float:
-        """Return the logarithm of the mass about the maximum that has most."""
-        return max(peak.log_mass for peak in self.maxima)
+Fit = tuple[BenchModel, list[Maximum]]  # the maxima of its posterior, the highest first
 
 
-def _searched(model: BenchModel, continuous: _Fit | None, rng: np.random.Generator) -> _Fit:
+def _searched(model: BenchModel, continuous: Fit | None, rng: np.random.Generator) -> Fit:
     """Return the fit of a model from the best of many servos that are drawn.
 
     continuous: the fit of a continuous loop, whose zero, gain and delays the drawn ones have. Each
@@ -113,16 +104,18 @@ def _searched(model: BenchModel, continuous: _Fit | None, rng: np.random.Generat
     first_step = len(model.names)
     starts[:, first_step:] = 0.0
     if continuous is not None:
-        x = continuous.maxima[0].x
-        for column in (model.names.index(name) for name in ("zero_rad", "gain", "start_rad")):
-            starts[:, column] = x[column]
-        delay = model.names.index("delay_s")
-        starts[:, delay] = x[delay] - 0.5 * model.period_s / model.priors["delay_s"].sigma
+        smooth_model, (peak, *_) = continuous
+        x = peak.x
+        zero, gain, start, delay = map(
+            model.names.index, ("zero_rad", "gain", "start_rad", "delay_s")
+        )
+        starts[:, [zero, gain, start, delay]] = x[[zero, gain, start, delay]]
+        starts[:, delay] -= 0.5 * model.period_s / model.priors["delay_s"].sigma
         waits_s = model.period_s * rng.uniform(-0.5, 0.5, (DRAWN_STARTS, model.steps))
-        delays_s = continuous.model.step_delays_s(x) + waits_s
+        delays_s = smooth_model.step_delays_s(x) + waits_s
         starts[:, first_step:] = delays_s / model.step_sigma_s
     misfit = np.sum(model.residuals(starts) ** 2, axis=1)
-    return _Fit(model, maxima(model.residuals, starts[np.argsort(misfit)[:BEST_STARTS]]))
+    return model, maxima(model.residuals, starts[np.argsort(misfit)[:BEST_STARTS]])
 
 
 def _verdict(model: BenchModel, best: Maximum) -> Verdict:
@@ -169,13 +162,12 @@ def servo_of_test(
     fits = [_searched(BenchModel(test, like, 0.0), None, rng)]
     for update_hz in sorted({*(like.updates_hz or (like.servo.update_hz,))} - {0.0}):
         fits.append(_searched(BenchModel(test, like, update_hz), fits[0], rng))
-    best = max(fits, key=lambda fit: fit.maxima[0].log_density)
-    verdict = _verdict(best.model, best.maxima[0])
+    best_model, best_peaks = max(fits, key=lambda fit: fit[1][0].log_density)
+    verdict = _verdict(best_model, best_peaks[0])
     if not verdict.describes:
-        for fit in fits:
-            fit.model.noise_rad *= math.sqrt(verdict.variance_ratio)
-            starts = np.array([peak.x for peak in fit.maxima])
-            fit.maxima[:] = maxima(fit.model.residuals, starts)
+        for model, peaks in fits:
+            model.noise_rad *= math.sqrt(verdict.variance_ratio)
+            peaks[:] = maxima(model.residuals, np.array([peak.x for peak in peaks]))
     parts = _sampled(fits, rng)
     samples = [model.samples(x, rng) for model, x in parts]
     model, x = max(parts, key=lambda part: len(part[1]))
@@ -187,7 +179,7 @@ def servo_of_test(
     pairs = zip(parts, samples, strict=True)
     servos = list(chain.from_iterable(model.servos(x, rng) for (model, _), x in pairs))
     drawn = tuple(servos[k] for k in rng.permutation(len(servos))[:SERVO_COUNT])
-    typical = best.model.servos(best.model.values(best.maxima[0].x[None]), rng)[0]
+    (typical,) = best_model.servos(best_model.values(best_peaks[0].x[None]), rng)
     source = f"a bench test of one joint, from {like.name}"
     return MeasuredServo(
         ServoKind(name, typical, {}, (), source, drawn),
@@ -201,9 +193,9 @@ def servo_of_test(
     )
 
 
-def _sampled(fits: list[_Fit], rng: np.random.Generator) -> list[tuple[BenchModel, Array]]:
+def _sampled(fits: list[Fit], rng: np.random.Generator) -> list[tuple[BenchModel, Array]]:
     """Return samples (K, P) of each fit that counts, as many as its mass says."""
-    masses = np.array([fit.log_mass for fit in fits])
+    masses = np.array([max(peak.log_mass for peak in peaks) for _, peaks in fits])
     shares = np.exp(masses - masses.max())
     counts = np.round(SAMPLES * shares / shares.sum()).astype(int).tolist()
     parts = []

@@ -1,4 +1,4 @@
-"""Common servos: what data sheets and identifications say, and how far to believe it.
+"""Common servos: what data sheets and identifications say, how far to believe it; their files.
 
 Data sheets give the stalled torque and the time for 60 degrees, both of the whole servo at some
 voltage. They do not give the rotor, the gear or the loop. For these there are identified servos:
@@ -21,11 +21,15 @@ A sheet's name is the same prior with two numbers changed: its torque and its sp
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 
 from ..base.errors import BadInput
-from ..model.drives import Servo, ServoKind
-from .servo_file import load_servo
+from ..base.files import write_named
+from ..base.toml_table import Table, located
+from ..model.drives import REMOVED, UNCERTAIN, Servo, ServoKind
 
 _MOTOR_S, _FRICTION, _DAMPING, _FULL_RAD = 0.037, 0.05, 0.07, 0.17
 _BAND_RAD = math.radians(0.09 * 6 / 2)  # 6 us in all; 1000 us are 90 degrees; sheets say 3 to 10
@@ -80,8 +84,6 @@ def _of_sheet(
         supply_sag=0.04,
         supply_v=supply_v,
     )
-    if name != "hobby":
-        source += "; all but torque and speed as hobby"
     doubt = dict(zip(("torque_limit_nm", "speed_limit_rad_s"), sigma, strict=True))
     return ServoKind(name, servo.at_volts(_PLUG_V), _UNMEASURED | doubt, _LOOKS_HZ, source)
 
@@ -107,17 +109,25 @@ def _identified(
     return ServoKind(name, servo, _MEASURED, (), f"github.com/Rhoban/bam, M1, at {volt:g} V")
 
 
-_NO_SOURCE = "typical, no source"
+_NO_SOURCE = "typical, no source; all but torque and speed as hobby"
 _KINDS = [
     _of_sheet("hobby", 4.0, 0.15, 6.0, _ANY, "between all servos of this table"),
-    _of_sheet("SG90", 1.8, 0.10, 4.8, _SHEET, "data sheet, 4.8 V: smarthon-docs-zh.readthedocs.io"),
+    _of_sheet(
+        "SG90",
+        1.8,
+        0.10,
+        4.8,
+        _SHEET,
+        "data sheet, 4.8 V: smarthon-docs-zh.readthedocs.io; all but torque and speed as hobby",
+    ),
     _of_sheet(
         "MG90S",
         2.2,
         0.08,
         6.0,
         _SHEET,
-        "data sheet, 6 V: github.com/TrDA-hab/Projects, Servo+ESP8266/MG90S-Datasheet.pdf",
+        "data sheet, 6 V: github.com/TrDA-hab/Projects, Servo+ESP8266/MG90S-Datasheet.pdf; "
+        "all but torque and speed as hobby",
     ),
     _of_sheet(
         "MG996R",
@@ -126,7 +136,8 @@ _KINDS = [
         6.0,
         _SHEET,
         "data sheet, 6 V: github.com/neko0xff/note_hardware, motor_mg996r; shops say 9.4 to 15 "
-        "kg cm",
+        "kg cm; "
+        "all but torque and speed as hobby",
     ),
     _of_sheet("HS-422", 4.1, 0.16, 6.0, _TYPICAL, _NO_SOURCE),
     _of_sheet(
@@ -135,7 +146,8 @@ _KINDS = [
         0.19,
         6.0,
         _SHEET,
-        "data sheet, 6 V: github.com/rngadam/XinCheJian-GGHC/wiki/Mechanical-design",
+        "data sheet, 6 V: github.com/rngadam/XinCheJian-GGHC/wiki/Mechanical-design; "
+        "all but torque and speed as hobby",
     ),
     _of_sheet("DS3218", 19.0, 0.16, 6.0, _TYPICAL, _NO_SOURCE),
     _identified("XL-320", 0.98695, 35.609, 7.4, 1.1190e-3, 0.027515, 0.0033176),
@@ -179,3 +191,112 @@ def servo(name: str | Path = "hobby") -> ServoKind:
     raise BadInput(
         f"servo is {str(name)!r}; known are {', '.join(SERVOS)}; or give a file, NAME.toml"
     )
+
+
+FORMAT = 1
+_FIELDS = Servo.__slots__
+
+
+def load_servo(path: str | Path) -> ServoKind:
+    """Read a kind of servo from a TOML file.
+
+    The file has `format = 1` and may have `name`, `source` and a `remark` that warns of it. [servo]
+    has Servo's fields; those that are missing have its defaults. [sigma] has standard deviations of
+    the logarithm of some of them; the others are exact. [drawn] holds servos that a measurement
+    leaves possible: a list for each field that differs.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    ServoKind
+        The kind of servo.
+
+    Raises
+    ------
+    BadInput
+        The message names the file and what is wrong with it.
+
+    Examples
+    --------
+    >>> sn.save_servo(sn.servo("MG996R"), "servo.toml")
+    >>> sn.load_servo("servo.toml").name
+    'MG996R'
+    """
+    top = Table.load(Path(path))
+    top.check_format(FORMAT)
+    readers: dict[str, Callable[[str], Any]] = {
+        "name": top.string,
+        "source": top.string,
+        "remark": top.string,
+        "updates_hz": lambda key: top.numbers(key, 0.0, 1e4),
+        "sigma": lambda key: _numbers(top.table(key), UNCERTAIN, 0.0, 3.0),
+        "drawn": lambda key: _drawn(top.table(key).without_removed(REMOVED), servo),
+    }
+    top.only("format", "servo", optional=tuple(readers))
+    table = top.table("servo").without_removed(REMOVED)
+    with located(table.heading):
+        servo = Servo(**_numbers(table, _FIELDS))
+    values: dict[str, Any] = {"name": Path(path).stem, "source": str(path)}
+    values |= {key: read(key) for key, read in readers.items() if key in top.values}
+    return ServoKind(servo=servo, **values)
+
+
+def _numbers(table: Table, names: tuple[str, ...], *limits: float) -> dict[str, float]:
+    """Return the numbers of a table that has some of these names."""
+    table.only(optional=names)
+    return {name: table.number(name, *limits) for name in table.values}
+
+
+def _drawn(table: Table, typical: Servo) -> tuple[Servo, ...]:
+    """Return the servos of [drawn]: lists of equal length, by field."""
+    table.only(optional=_FIELDS)
+    columns = {name: table.numbers(name) for name in table.values}
+    counts = {len(values) for values in columns.values()}
+    if len(counts) != 1:
+        raise BadInput(f"{table.heading}: lists of {sorted(counts)} numbers; all must be as long")
+    with located(table.heading):
+        rows = zip(*columns.values(), strict=True)
+        return tuple(replace(typical, **dict(zip(columns, row, strict=True))) for row in rows)
+
+
+def save_servo(kind: ServoKind, path: str | Path) -> None:
+    """Write a kind of servo to a TOML file, which load_servo reads.
+
+    Parameters
+    ----------
+    kind
+        The kind of servo.
+    path
+        The file.
+
+    Raises
+    ------
+    SerpenoidError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> sn.save_servo(sn.servo("MG996R"), "servo.toml")
+    >>> sn.load_servo("servo.toml").name
+    'MG996R'
+    """
+    import tomli_w
+
+    values: dict[str, Any] = {"format": FORMAT, "name": kind.name}
+    for key in ("source", "remark", "updates_hz"):
+        if getattr(kind, key):
+            values[key] = getattr(kind, key)
+    values["servo"] = asdict(kind.servo)
+    if kind.sigma:
+        values["sigma"] = dict(kind.sigma)
+    if kind.drawn:
+        values["drawn"] = {
+            name: [float(f"{getattr(servo, name):.6g}") for servo in kind.drawn]
+            for name in _FIELDS
+            if len({getattr(servo, name) for servo in (*kind.drawn, kind.servo)}) > 1
+        }
+    write_named(path, tomli_w.dumps(values))

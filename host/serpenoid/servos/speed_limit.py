@@ -44,18 +44,6 @@ def is_too_fast(gait: Gait, servo: Servo | ServoKind | None) -> bool:
     return joint_rate_rad_s(gait) > MAX_NO_LOAD_SHARE * no_load_rad_s(servo)
 
 
-def typical_servo_name(servo: Servo | ServoKind) -> str:
-    """Return what messages call the servo, e.g. 'a typical hobby servo'."""
-    return f"a typical {servo.name} servo" if isinstance(servo, ServoKind) else "the given servo"
-
-
-def speed_limit_text(servo: Servo | ServoKind, digits: int = 2) -> str:
-    """Return a servo's limit in words, e.g. '5.6 (90 % of its no-load speed, 6.2)', rad/s."""
-    speed_rad_s = no_load_rad_s(servo)
-    limit = f"{MAX_NO_LOAD_SHARE * speed_rad_s:.{digits}g}"
-    return f"{limit} ({100 * MAX_NO_LOAD_SHARE:.0f} % of its no-load speed, {speed_rad_s:.2g})"
-
-
 def too_fast_text(gait: Gait, servo: Servo | ServoKind | None, gait_name: str = "") -> str:
     """Return the sentence that a gait is too fast for a servo, or "" where it is not.
 
@@ -63,14 +51,17 @@ def too_fast_text(gait: Gait, servo: Servo | ServoKind | None, gait_name: str = 
     """
     if servo is None or not is_too_fast(gait, servo):
         return ""
-    rate_rad_s, limit_rad_s = joint_rate_rad_s(gait), MAX_NO_LOAD_SHARE * no_load_rad_s(servo)
+    rate_rad_s, free_rad_s = joint_rate_rad_s(gait), no_load_rad_s(servo)
+    limit_rad_s = MAX_NO_LOAD_SHARE * free_rad_s
     apart = (d for d in range(2, 6) if f"{rate_rad_s:.{d}g}" != f"{limit_rad_s:.{d}g}")
     digits = next(apart, 6)
     highest = highest_hz(gait, servo)
     unit_hz = 10.0 ** (math.floor(math.log10(highest)) - 1)  # of its second digit
     too_fast = f"{gait_name} is too fast" if gait_name else "Too fast"
+    name = f"a typical {servo.name} servo" if isinstance(servo, ServoKind) else "the given servo"
     return (
-        f"{too_fast} for {typical_servo_name(servo)}: the joints must turn at "
-        f"{rate_rad_s:.{digits}g} rad/s; the limit is {speed_limit_text(servo, digits)}. "
-        f"Stay below {math.floor(MAX_ROUNDING * highest / unit_hz) * unit_hz:.2g} Hz."
+        f"{too_fast} for {name}: the joints must turn at {rate_rad_s:.{digits}g} rad/s; the limit "
+        f"is {limit_rad_s:.{digits}g} ({100 * MAX_NO_LOAD_SHARE:.0f} % of its no-load speed, "
+        f"{free_rad_s:.2g}). Stay below "
+        f"{math.floor(MAX_ROUNDING * highest / unit_hz) * unit_hz:.2g} Hz."
     )
