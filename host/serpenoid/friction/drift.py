@@ -20,7 +20,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..session.session import Session
-from ..session.track import track_of
 from .parameters import Floats
 from .rolling_law import shapes
 
@@ -74,8 +73,8 @@ def drifts_of(session: Session) -> dict[int, Drift]:
     mass = robot.links * robot.link_mass_kg * (1.0 + rolling), rolling_sigma / (1.0 + rolling)
     drifts = {}
     for k, reading in enumerate(session.kept_stations):
-        t, y = track_of(reading.places)
-        if t.size:
+        if reading.track is not None:
+            t, y, _ = (reading.track.values - reading.track.values[0]).T
             speed = float(np.abs(np.diff(y) / np.diff(t)).max())
             sigma_m = math.hypot(tools.distance_sigma_m, speed * tools.time_sigma_s)
             off_m = y[-1] / t[-1] * t - y

@@ -81,7 +81,7 @@ class Stations:
             shown_rad, instruments.incline_sigma_rad, instruments.incline_step_rad
         )
         drifts: dict[int, Drift] = {}
-        if any(reading.places for reading in kept_stations):
+        if any(reading.track for reading in kept_stations):
             from .drift import drifts_of
 
             drifts = drifts_of(session)

@@ -39,7 +39,7 @@ from .rows import (
 )
 from .session import Session
 from .settings import changes
-from .track import Samples, Track
+from .track import PLACES, Samples, Track, typed_track
 
 LOCK = ".lock"
 Listed = tuple[str, Cells, str]  # kind, cells and comment
@@ -98,15 +98,10 @@ class Journal:
         It is checked first, so that no line is ever written that could not be read. samples: of a
         kind with a track, whose file is on the disk before the reading's line.
         """
-        number = self.last + 1
         if replaces:
             self._check_number(replaces)
-        track = None if samples is None else Track.from_samples(kind_of(kind).columns, samples)
-        self.check(kind, cells, track)
-        if track is not None:
-            name = track.write(self.folder, number)
-            cells = dict(cells) | dict(zip(TRACK_WORDS, (name, track.sha256), strict=True))
-        row = self._row(number, kind, cells, comment) | {"replaces": str(replaces or "")}
+        number = self.last + 1
+        row = self._row(number, kind, cells, comment, samples) | {"replaces": str(replaces or "")}
         self._append("readings.csv", READING_COLUMNS, [row])
         return number
 
@@ -119,7 +114,6 @@ class Journal:
         marks = {words_of(row).get(LISTED, "") for row in self.rows.values()}
         digest, rows = hashlib.sha256(), list[Row]()
         for kind, cells, comment in listed:
-            self.check(kind, cells)
             digest.update(repr((kind, sorted(cells.items()), comment)).encode())
             mark = digest.hexdigest()[:16]
             if mark not in marks:
@@ -129,18 +123,30 @@ class Journal:
             self._append("readings.csv", READING_COLUMNS, rows)
         return len(rows)
 
-    def _row(self, number: int, kind: str, cells: Cells, comment: str) -> dict[str, str]:
-        setup = self.session.setup
-        return reading_row(kind, {**cells, LINKS: setup.robot.links}, setup.plan) | {
+    def _row(
+        self, number: int, kind: str, cells: Cells, comment: str, samples: Samples | None = None
+    ) -> dict[str, str]:
+        """Return the row of a reading, whose track is on the disk then; raises BadInput."""
+        setup, track = self.session.setup, self.check(kind, cells, samples)
+        cells = {**cells, LINKS: setup.robot.links}
+        cells.pop(PLACES, None)
+        if track is not None:
+            words = track.write(self.folder, number), track.sha256
+            cells |= dict(zip(TRACK_WORDS, words, strict=True))
+        return reading_row(kind, cells, setup.plan) | {
             "reading": str(number),
             "time_utc": utc_now(),
             "setup": "1",
             "comment": comment,
         }
 
-    def check(self, kind: str, cells: Cells, track: Track | None = None) -> None:
-        """Raise BadInput for a reading that add() would not take."""
-        declared, row = kind_of(kind), reading_row(kind, cells)
+    def check(self, kind: str, cells: Cells, samples: Samples | None = None) -> Track | None:
+        """Return the track of a reading; raises BadInput for one that add() would not take."""
+        cells, declared = dict(cells), kind_of(kind)
+        if declared.columns and (places := cells.pop(PLACES, "")):
+            samples = typed_track(str(places))
+        row = reading_row(kind, cells)
+        track = None if samples is None else Track.from_samples(declared.columns, samples)
         if track is None and declared.columns and not declared.track_may_miss:
             raise BadInput(
                 f"a reading of kind {kind} needs its track, {', '.join(declared.columns)}; "
@@ -149,6 +155,7 @@ class Journal:
         common: dict[str, Any] = {"number": 1} | ({"track": track} if track is not None else {})
         if doubt := make_reading(row, common).doubt():
             raise BadInput(doubt)
+        return track
 
     def _check_number(self, reading: int) -> None:
         """Raise BadInput unless there is a reading of this number."""

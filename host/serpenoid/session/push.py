@@ -19,11 +19,10 @@ from .declaration import (
 )
 from .settings import MAX_LAMBDA_DEG, MAX_PLACE_SIGMA_M
 from .station import bend_in_words
-from .track import Floats, Track
+from .track import TRACK, Floats, Track
 
 WAYS = ("there", "back")
 SOURCES = ("rest", "film")  # what a push is known by: tape and watch, or a table of places
-TRACK = ("t_s", "x_m", "y_m")
 FEWEST_SAMPLES = 3  # of a track, so that it tells a speed and how it falls
 MAX_PUSH_M_S = 3.0  # at the start; robots of this size are pushed at 0.3 to 1.5 m/s
 MAX_PUSH_M = 10.0  # until it rests

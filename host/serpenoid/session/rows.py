@@ -26,7 +26,7 @@ from .push import Push
 from .session import Event, Session
 from .settings import Plan, Setup
 from .station import BeltCheck, BendCheck, Reading, ZeroReading
-from .track import FOLDER, Track, read_track
+from .track import FOLDER, PLACES, TRACK, Track, read_track, typed_track
 
 # All kinds by their names, in the order in which a session takes them.
 KINDS: dict[str, type[Observation]] = {
@@ -103,7 +103,7 @@ def reading_row(name: str, cells: Cells, plan: Plan | None = None) -> dict[str, 
     for column, value in (planned | dict(cells)).items():
         words = (LISTED, LINKS, DOUBTFUL, *(TRACK_WORDS if kind.columns else ()))
         if column not in (*fields, *words):
-            columns = ", ".join(fields)
+            columns = ", ".join([*fields, *([PLACES] if kind.columns == TRACK else [])])
             raise BadInput(f"unknown column {column!r}; a reading of kind {name} has {columns}")
         text, usual = value if isinstance(value, str) else f"{value:.10g}", ""
         field = fields.get(column)
@@ -287,7 +287,10 @@ def _check_facing(row: Row) -> None:
 
 def _track(row: Row, kind: type[Observation], folder: Path) -> dict[str, Track]:
     """Return the track of a reading whose kind has one."""
-    name, sha256 = (words_of(row).get(word, "") for word in TRACK_WORDS)
+    words = words_of(row)
+    if PLACES in words:  # older files have a typed track in its row
+        return {"track": Track.from_samples(kind.columns, typed_track(words[PLACES]))}
+    name, sha256 = (words.get(word, "") for word in TRACK_WORDS)
     if not kind.columns or (not name and kind.track_may_miss):
         return {}
     if not re.fullmatch(rf"{FOLDER}/\w+\.csv", name):

@@ -13,7 +13,7 @@ from ..base.errors import BadInput
 from ..model.bends import BENDS, balanced_signs
 from .declaration import Observation, number_field, word_field
 from .settings import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, MAX_SPEED_M_S, Instruments
-from .track import drifts, tidy_places
+from .track import PLACES, TRACK, Track, typed_track
 
 # Slower than this a robot that is steered goes by jerks: every touch of the steering shakes wheels
 # loose that would rest, so that dry friction across is less than that of wheels which slide.
@@ -32,12 +32,14 @@ class Reading(Observation):
     inclinometer shows it. belt_speed_m_s: uphill, so that the snake, facing downhill, rolls
     forwards. drift_m_s: what was left of the snake's own motion, positive when carried along with
     the belt. turned_rad: heading when it was read. offset_rad: steering on every joint;
-    each None where nobody told. places: of a short reading, where the robot was at some times while
-    it still drifted (`track.tidy_places`); the drift is then the mean. Raises BadInput.
+    each None where nobody told. track: of a short reading, where the robot was, x uphill, while it
+    still drifted; the drift is then the mean. Raises BadInput.
     """
 
     kind = "station"
     fitted = True
+    columns = TRACK
+    track_may_miss = True
 
     lambda_rad: float = number_field(0.0, MAX_LAMBDA_DEG, words="the bend")
     incline_rad: float = number_field(
@@ -63,7 +65,7 @@ class Reading(Observation):
         why="a robot that has turned by more is not held by this law: hold it again",
     )
     offset_rad: float | None = number_field(-45.0, 45.0, default=None)
-    places: str = word_field(tidy=tidy_places)
+    track: Track | None = None
 
     def __post_init__(self) -> None:
         if not self.voided and self.slip_speed_m_s <= 0.0:
@@ -78,35 +80,19 @@ class Reading(Observation):
         """Return the speed of the belt past the snake, v_rel = v_belt - v_drift."""
         return self.belt_speed_m_s - self.drift_m_s
 
-    @property
-    def drift_in_words(self) -> str:
-        """Return the drift, m/s; of a short reading that of its start and of its end."""
-        if not self.places:
-            return f"{self.drift_m_s + 0.0:+.3f}"
-        mean, change, _ = drifts(self.places)
-        return f"{mean - change / 2:+.3f} to {mean + change / 2:+.3f}"
-
-    def balance_sine(self, gravity_m_s2: float) -> float:
-        """Return the sine of the incline at which the robot would hold its place at this slip.
-
-        That of the reading's own incline, unless its drift changed meanwhile.
-        """
-        if not self.places:
-            return math.sin(self.incline_rad)
-        _, change_m_s, duration_s = drifts(self.places)
-        return math.sin(self.incline_rad) + change_m_s / duration_s / gravity_m_s2
-
     @classmethod
     def derived(cls, cells: dict[str, Any], watch: Instruments) -> dict[str, Any]:
         """Put in the mean drift of a short reading."""
-        places = str(cells.get("places", ""))
-        return cells | {"drift_m_s": drifts(tidy_places(places))[0]} if places else cells
+        if PLACES not in cells:
+            return cells
+        duration_s, way_m, _ = typed_track(str(cells[PLACES]))[-1]
+        return cells | {"drift_m_s": float(way_m / duration_s)}
 
     def in_words(self) -> tuple[str, str]:
         """Return what it is, and its values."""
         values = (
             f"{math.degrees(self.incline_rad):.2f}°, belt {self.belt_speed_m_s:.3f}, "
-            f"drift {self.drift_in_words} m/s"
+            f"drift {self.drift_m_s + 0.0:+.3f} m/s"
             + (f", turned {math.degrees(self.turned_rad):+.3g}°" if self.turned_rad else "")
         )
         zigzag = " as a zigzag" if self.bend == "zigzag" and self.lambda_rad else ""

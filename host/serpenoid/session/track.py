@@ -1,6 +1,7 @@
-"""Tracks: what was sampled over time, in a file beside the session, or a short one as a word.
+"""Tracks: positions over time, in a file beside the session whose hash its reading has.
 
-A file has its hash in the reading. A word is s:m, three times or more: `0:0,2:0.045,4:0.13`.
+A push on a floor, a crawl in a film, or a robot that drifts on the belt; a short one may be typed
+as s:m, three times or more: `0:0 2:0.045 4:0.13`.
 """
 
 from __future__ import annotations
@@ -9,7 +10,6 @@ import hashlib
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,8 @@ from ..base.errors import BadInput, RecordingFailed
 from ..base.files import csv_rows, read_text, write_text
 
 FOLDER = "tracks"
+TRACK = ("t_s", "x_m", "y_m")
+PLACES = "places"  # cell of a typed track
 STAR = "*"  # in the last column's name: any number of such columns
 Floats = NDArray[np.float64]
 Samples = Sequence[Sequence[float]] | Floats
@@ -105,14 +107,12 @@ def _text(columns: tuple[str, ...], values: Floats) -> str:
     return "\n".join([",".join(columns), *lines]) + "\n"
 
 
-def tidy_places(text: str) -> str:
-    """Return pairs as they are kept; raises BadInput unless they are a track, or none.
+def typed_track(text: str) -> Floats:
+    """Return t_s, x_m, y_m (rows, 3) of typed places, from the first one on; raises BadInput.
 
     Pairs are parted by blanks, semicolons or slashes, or by commas where nothing else parts them.
     """
     line = text.replace("−", "-").strip()
-    if not line:
-        return ""
     parts = re.split(r"[\s;/]+|,(?=\s)", line) if re.search(r"[\s;/]", line) else line.split(",")
     matches = [_PAIR.fullmatch(part) for part in parts if part]
     if not all(matches) or len(matches) < FEWEST_PLACES:
@@ -121,26 +121,12 @@ def tidy_places(text: str) -> str:
             f"as {EXAMPLE}"
         )
     pairs = [[float(x.replace(",", ".")) for x in pair.groups()] for pair in matches if pair]
-    times = [t for t, _ in pairs]
-    if any(later <= t for t, later in pairwise(times)):
+    track = np.insert(np.array(pairs) - pairs[0], 2, 0.0, axis=1)
+    if not (np.diff(track[:, 0]) > 0.0).all():
         raise BadInput(f"the times of {text!r} must rise from place to place")
-    if not LEAST_S <= times[-1] - times[0] <= MOST_S:
+    if not LEAST_S <= track[-1, 0] <= MOST_S:
         raise BadInput(
-            f"{text!r} lasts {times[-1] - times[0]:g} s; it must be {LEAST_S:g} to {MOST_S:g} s; "
+            f"{text!r} lasts {track[-1, 0]:g} s; it must be {LEAST_S:g} to {MOST_S:g} s; "
             "a robot that holds longer is read with its drift alone"
         )
-    return ",".join(f"{t:.6g}:{y:.6g}" for t, y in pairs)
-
-
-def track_of(places: str) -> Floats:
-    """Return t_s and y_m (uphill) of kept pairs, (2, J), the time from the first place on."""
-    pairs = [[float(x) for x in pair.split(":")] for pair in places.split(",") if pair]
-    track = np.array(pairs, dtype=np.float64).reshape(-1, 2).T
-    return track - track[:, :1]
-
-
-def drifts(places: str) -> tuple[float, float, float]:
-    """Return the mean drift, m/s uphill, by how much it changed, and the time watched, s."""
-    t, y = track_of(places)
-    curve = np.polyfit(t, y, 2)
-    return float(y[-1] / t[-1]), float(2 * curve[0] * t[-1]), float(t[-1])
+    return track

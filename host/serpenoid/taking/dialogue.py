@@ -12,7 +12,6 @@ from ..base.errors import BadInput, CommandRefused, RecordingFailed, RobotError
 from ..session.declaration import Values
 from ..session.journal import Journal
 from ..session.session import Session
-from ..session.track import tidy_places
 from .asking import WORDS, Asker, Quit, Restart, Skip, Undo
 from .films import FilmReader, named_file, no_films, take_track
 from .procedure import doubts, next_step
@@ -217,7 +216,7 @@ class Dialogue:
             track = read_track_file(*file).values
             line = " ".join(f"{t - track[0, 0]:.6g}:{x:.6g}" for t, x, _ in track)
         if ":" in line:
-            return values | {"places": tidy_places(line)}
+            return values | {"places": line}
         return values | ask.numbers(drift, line or "0")
 
     def _steering(self) -> Values:

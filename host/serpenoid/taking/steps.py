@@ -105,8 +105,7 @@ def line_of(session: Session, bend_deg: float) -> tuple[float, float] | None:
     Of the line through a bend's stations; None before there are two, or where it falls.
     """
     stations = taken_in(session, bend_deg)
-    gravity = session.setup.laboratory.gravity_m_s2
-    sines = [station.balance_sine(gravity) for station in stations]
+    sines = [math.sin(station.incline_rad) for station in stations]
     if not sines or np.ptp(sines) < SAME_SINE:
         return None
     slope, offset_m_s = np.polyfit(sines, [station.slip_speed_m_s for station in stations], 1)

@@ -1,6 +1,7 @@
 """Short readings: a robot that still drifts on the belt, its places fitted as a track."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from calibration.synthetic_session import setup as made_up_setup
 from command_line import serpenoid
 from scipy.integrate import solve_ivp
 from serpenoid import fit_friction, load_session
+from serpenoid.session.track import TRACK, Track
 
 NAMES = ("ct", "cn", "ft0", "fn0")
 TRUE = np.array([getattr(WHOLE_BODY_2005, name) for name in NAMES])
@@ -27,10 +29,6 @@ def rolled(viscous, dry, pull, mass, belt, slip, times):
         atol=1e-13,
     )
     return found.y[0]
-
-
-def word(times, places):
-    return ",".join(f"{t:.6f}:{y:.9f}" for t, y in zip(times, places, strict=True))
 
 
 def with_short_readings():
@@ -50,7 +48,8 @@ def with_short_readings():
         belt = r.belt_speed_m_s + 0.05
         at = rolled(viscous, dry, pull, mass, belt, belt + 0.1, times)
         drift = (at[-1] - at[0]) / times[-1]
-        return replace(r, belt_speed_m_s=belt, drift_m_s=drift, places=word(times, at))
+        track = Track.from_samples(TRACK, np.column_stack([times, at, 0.0 * at]))
+        return replace(r, belt_speed_m_s=belt, drift_m_s=drift, track=track)
 
     return replace(whole, setup=setup, readings=tuple(map(short, whole.readings)))
 
@@ -59,7 +58,7 @@ def test_the_fit_finds_the_friction_of_short_readings():
     session = with_short_readings()
     fit = fit_friction(session)
     assert [fit.whole_snake[name] for name in NAMES] == pytest.approx(TRUE, rel=1e-3)
-    stations = replace(session, readings=tuple(replace(r, places="") for r in session.readings))
+    stations = replace(session, readings=tuple(replace(r, track=None) for r in session.readings))
     assert abs(fit_friction(stations).whole_snake["fn0"] / TRUE[3] - 1) > 0.1  # not to be ignored
     assert session.sha256 != stations.sha256
 
@@ -74,9 +73,9 @@ CELLS = "lambda_deg=15 incline_deg=4 belt_speed_m_s=0.5"
 @pytest.mark.parametrize(
     ("typed", "kept"),
     [
-        ("0:0 2:0.045 4:.13", "0:0,2:0.045,4:0.13"),
-        ("0:0;2,1:-0,045;4:0,13", "0:0,2.1:-0.045,4:0.13"),
-        ("0:0,2:0.04,4:0.12", "0:0,2:0.04,4:0.12"),
+        ("0:0 2:0.045 4:.13", [[0.0, 2.0, 4.0], [0.0, 0.045, 0.13]]),
+        ("0:0;2,1:-0,045;4:0,13", [[0.0, 2.1, 4.0], [0.0, -0.045, 0.13]]),
+        ("0:0,2:0.04,4:0.12", [[0.0, 2.0, 4.0], [0.0, 0.04, 0.12]]),
     ],
 )
 def test_every_way_into_a_session_takes_places(folder, tmp_path, typed, kept):
@@ -88,5 +87,14 @@ def test_every_way_into_a_session_takes_places(folder, tmp_path, typed, kept):
     )
     assert run(f"take {folder} --script {script}").returncode == 0
     stations = load_session(folder).kept_stations
-    assert [r.places for r in stations] == [kept] * 2
-    assert len({r.drift_m_s for r in stations}) == 1
+    assert [r.track.values.T[:2].tolist() for r in stations] == [kept] * 2
+    assert [r.drift_m_s for r in stations] == [kept[1][-1] / 4.0] * 2
+
+
+def test_an_older_file_has_a_short_track_in_its_row(folder):
+    run(f"add {folder} station {CELLS} 'places=0:0 2:0.045 4:0.13'")
+    table = folder / "readings.csv"
+    (track,) = (r.track for r in load_session(folder).kept_stations)
+    cell = '"bend=balanced places=0:0,2:0.045,4:0.13"'
+    table.write_text(re.sub(r"[^,\n]*track=\S+ track_sha256=\w+", cell, table.read_text()))
+    assert load_session(folder).kept_stations[0].track.sha256 == track.sha256
