@@ -13,7 +13,7 @@ from ..session.journal import Journal
 from .parse_number import bare_unit, doubt_in_words, first_number
 from .session_robot import SessionRobot
 from .steps import Doubts
-from .terminal import Console
+from .terminal import PATIENCE_S, Console
 
 WORDS = "At every prompt: undo, skip, pause, quit, help."
 HELP = """\
@@ -23,7 +23,6 @@ HELP = """\
   pause    servos off, until the next Enter
   quit     leave; everything read so far is kept
 What a prompt asks for may be typed in one line, as 2.3 0.45, or one by one."""
-PATIENCE_S = 300.0  # time without an answer, s, after which the servos are let go
 T = TypeVar("T")
 
 
@@ -100,7 +99,7 @@ class Asker:
             return self._replay.popleft()
         answer = None
         while answer is None:
-            line = self._terminal.ask(prompt, PATIENCE_S, self._tick)
+            line = self._terminal.ask(prompt, self._tick)
             if line is not None:
                 answer = self._obey(line, usual)
             else:

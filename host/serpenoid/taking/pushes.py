@@ -25,28 +25,23 @@ def keep_pushes(
     setup, file = journal.session.setup, file_sha256[:16]
     lambda_deg = float(cells.get("lambda_deg", 0.0))
     pieces = _pieces(track, slips(setup.plan.bend, lambda_deg, setup.robot.links))
-    pushes = journal.session.readings_of("push") if file else ()
-    readings = {push.track.sha256: push for push in pushes if push.file_sha256 == file}
-    used = [sha256 for sha256, push in readings.items() if not push.voided]
-    if used and not (pieces.keys() >= set(used) and pieces.keys() - readings.keys()):
-        raise BadInput(f"reading {readings[used[0]].number} is of this file already")
-    if not used:
-        readings = {}
-    resumed = [sha256 for sha256 in pieces if sha256 in readings]
-    sound_pushes = [sha256 for sha256, (_, look) in pieces.items() if not look.doubts]
-    first = [*resumed, *sound_pushes, *pieces][0]
-    way = readings[first].way if resumed else str(cells.get("way", WAYS[0]))
-    new = list[Push]()
-    for sha256, (rows, look) in pieces.items():
-        if sha256 in readings:
-            continue
+    pushes = journal.session.kept_pushes if file else ()
+    used = {push.track.sha256: push for push in pushes if push.file_sha256 == file}
+    new = [sha256 for sha256 in pieces if sha256 not in used]
+    sound_pushes = [sha256 for sha256 in new if not pieces[sha256][1].doubts]
+    if used and not (sound_pushes and used.keys() <= pieces.keys()):
+        number = min(push.number for push in used.values())
+        raise BadInput(f"reading {number} is of this file already")
+    first = [*used, *sound_pushes, *new][0]
+    way = used[first].way if used else str(cells.get("way", WAYS[0]))
+    for sha256 in new:
+        rows, look = pieces[sha256]
         same = float(look.way_m @ pieces[first][1].way_m) >= 0.0
         values: Values = {**cells, **look.cells, "by": "film", "file_sha256": file}
         values |= {"way": way if same else other_way(way)}
         values |= {DOUBTFUL: "yes"} if look.doubts else {}
         journal.add("push", values, comment="; ".join(look.doubts), samples=rows)
-        new.append(journal.session.readings_of("push")[-1])
-    return new
+    return list(journal.session.readings_of("push")[-len(new) :])
 
 
 def push_in_words(push: Push) -> str:

@@ -13,6 +13,7 @@ from ..base import system
 from ..base.files import visible
 from ..robot.tools.keys import KeyReader
 
+PATIENCE_S = 300.0  # time without an answer, s, after which the servos are let go
 TICK_S = 0.5  # time between two looks at a robot, s, while a prompt waits
 
 
@@ -33,16 +34,16 @@ class Console:
         for line in visible(text).split("\n"):
             print(textwrap.fill(line, width) if len(line) > width else line, flush=True)
 
-    def ask(self, prompt: str, patience_s: float, tick: Callable[[], None]) -> str | None:
+    def ask(self, prompt: str, tick: Callable[[], None]) -> str | None:
         """Return a line, None if none came in time; raises EOFError at the end of the input.
 
         tick is called twice a second while waiting.
         """
-        line, end_s, terminal = "", time.monotonic() + patience_s, sys.stdin.isatty()
+        line, end_s, terminal = "", time.monotonic() + PATIENCE_S, sys.stdin.isatty()
         with system.single_keys() if terminal else nullcontext():
             print(visible(prompt), end="", flush=True)  # once keys are heard
             while True:
-                key = self._reader(min(TICK_S, patience_s))
+                key = self._reader(TICK_S)
                 if terminal and key in self.keys and not (key == " " and line):
                     shown = f"{prompt.lstrip()}{line}"[-40:]
                     print(f"\r\x1b[K  [{self.keys[key]()}] {shown}", end="", flush=True)

@@ -42,7 +42,7 @@ class Typist(Console):
     def forget(self) -> None:
         pass
 
-    def ask(self, prompt: str, patience_s: float, tick) -> str | None:
+    def ask(self, prompt: str, tick) -> str | None:
         tick()
         if not self.lines:
             self.heard += prompt.rstrip() + "\n"

@@ -1,26 +1,17 @@
-"""A kill at any write while pushes are taken in: nothing is lost, no doubtful push counts.
-
-Each write and each sync of the disk is cut short once: half of a line is then there, or all of it.
-"""
+"""A kill at any byte while pushes are taken in: nothing is lost, no doubtful push counts."""
 
 from __future__ import annotations
 
-import io
-import os
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
 from calibration.floor_sessions import floor_setup, push_track
+from refusals import refused
 from serpenoid.session.folder import read_session
 from serpenoid.session.journal import Journal
 from serpenoid.taking.films import take_track
 from serpenoid.taking.new_session import create_session
-
-
-class Killed(BaseException):
-    """Stands for a kill: no handler of errors sees it."""
 
 
 def several_pushes(rng):
@@ -42,63 +33,31 @@ def track(tmp_path_factory):
     return path
 
 
-def take(folder, path, kill_at=None):
-    """Take the file in as a step says it, killed at the n-th write or sync; return the count."""
-    count, opened, sync = 0, Path.open, os.fsync
-
-    def counted(kills):
-        nonlocal count
-        count += 1
-        if count == kill_at:
-            kills()
-            raise Killed
-
-    class Cut(io.FileIO):
-        def write(self, data):
-            counted(lambda: super(Cut, self).write(data[: len(data) // 2]))
-            return super().write(data)
-
-    def synced(fd):
-        counted(lambda: None)
-        sync(fd)
-
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(
-            Path, "open", lambda p, *a, **k: Cut(p, "r+") if a == ("r+b",) else opened(p, *a, **k)
-        )
-        patched.setattr(os, "fsync", synced)
-        with Journal(folder) as journal:
-            way = "there" if not journal.session.kept_pushes else "back"  # as the plan goes on
-            take_track(journal, path, "m", {"lambda_deg": 0.0, "way": way})
-    return count
-
-
-def told(folder):
+def take(folder, path):
+    """Take the file in as a step says it."""
+    with Journal(folder) as journal:
+        way = "there" if not journal.session.kept_pushes else "back"  # as the plan goes on
+        take_track(journal, path, "m", {"lambda_deg": 0.0, "way": way})
     return [
         (p.way, p.voided, p.comment, p.track.sha256)
         for p in read_session(folder).readings_of("push")
     ]
 
 
-def test_a_kill_at_any_write_loses_nothing_and_counts_no_doubtful_push(tmp_path, track):
+def test_a_kill_at_any_byte_loses_nothing_and_counts_no_doubtful_push(tmp_path, track):
     folder = create_session(tmp_path / "s", floor_setup())
-    shutil.copytree(folder, tmp_path / "empty")
-    writes = take(folder, track)
-    whole = told(folder)
+    whole = take(folder, track)
     assert [(way, void) for way, void, *_ in whole] == [
         ("back", True),
         ("there", False),
         ("back", False),
     ]
-    assert writes == 9  # of each: its track, its line's half, its line
-    for kill_at in range(1, writes + 1):
-        cut = tmp_path / f"cut{kill_at}"
-        shutil.copytree(tmp_path / "empty", cut)
-        with pytest.raises(Killed):
-            take(cut, track, kill_at=kill_at)
-        assert told(cut) == whole[: len(told(cut))]
-        if kill_at < writes:
-            take(cut, track)
-        left = told(cut)
-        assert [one for one in left if not one[1]] == [one for one in whole if not one[1]]
-        assert all(one in left for one in whole)
+    text = (folder / "readings.csv").read_bytes()
+    for cut in range(text.index(b"\n") + 1, len(text), 29):
+        killed = shutil.copytree(folder, tmp_path / str(cut))
+        (killed / "readings.csv").write_bytes(text[:cut])
+        found = take(killed, track)
+        assert [one for one in found if not one[1]] == [one for one in whole if not one[1]]
+        assert all(one in found for one in whole)
+    with refused("reading 2 is of this file already"):
+        take(folder, track)
