@@ -213,7 +213,7 @@ class Dialogue:
         line = ask.ask(f"  let it settle {step.settle_s:.0f} s; {then}: ")
         file = named_file(line)
         if file is not None:
-            track = read_track_file(*file).values
+            track, _ = read_track_file(*file)
             line = " ".join(f"{t - track[0, 0]:.6g}:{x:.6g}" for t, x, _ in track)
         if ":" in line:
             return values | {"places": line}

@@ -57,9 +57,8 @@ def take_track(
     capture_fps: pictures a second that the camera took, where a track was made of slow motion.
     """
     if path.suffix.lower() in TEXTS or not isfile(path):
-        table = read_track_file(path, unit)
-        track, sha256 = table.values, table.sha256
-        for note in table.notes:
+        track, notes = read_track_file(path, unit)
+        for note in notes:
             tell(note)
         if capture_fps is not None:
             rate = capture_rate(track[:, 0], capture_fps, OPTION)
@@ -68,8 +67,7 @@ def take_track(
         elif words := slow_motion_doubt(track[:, 0]):
             tell(f"{path.name}: {words}")
     else:
-        sha256 = sha256_of(path)
         filmed = film(path, journal.session.setup.robot, None)
         track, cells = np.array(filmed.samples, dtype=float), {**cells, **filmed}
     with located(str(path)):
-        return keep_pushes(journal, track, cells, file_sha256=sha256)
+        return keep_pushes(journal, track, cells, file_sha256=sha256_of(path))

@@ -9,7 +9,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from ..base.errors import BadInput, RecordingFailed
+from ..base.errors import BadInput
 from ..base.files import write_text
 from ..model.bends import FEWEST_LINKS
 from ..model.gait import Gait
@@ -181,19 +181,15 @@ def template_setup(path: str | Path | None, name: str) -> Setup:
 def create_session(folder: str | Path, setup: Setup) -> Path:
     """Make a session's folder; session.toml comes last, so that a folder with one is whole.
 
-    Raises BadInput where there is a session already, RecordingFailed where it cannot be written.
+    Raises BadInput where there is a session already, OSError where it cannot be written.
     """
     folder = Path(folder)
     refuse_existing(folder)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, columns in (("readings.csv", READING_COLUMNS), ("events.csv", EVENT_COLUMNS)):
-            write_text(folder / name, csv_line(list(columns)))
-        program = f"serpenoid {version('serpenoid')}"
-        write_text(folder / "session.toml", setup.text(program, utc_now()))
-    except OSError as error:
-        cure = "make room on that disk, or choose another folder"
-        raise RecordingFailed(f"{folder}: {error.strerror}; {cure}") from error
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, columns in (("readings.csv", READING_COLUMNS), ("events.csv", EVENT_COLUMNS)):
+        write_text(folder / name, csv_line(list(columns)))
+    program = f"serpenoid {version('serpenoid')}"
+    write_text(folder / "session.toml", setup.text(program, utc_now()))
     return folder
 
 

@@ -72,11 +72,10 @@ def read_number(text: str, field: Field) -> float:
 
 def doubt_in_words(value: float, field: Field, likely: Range) -> str:
     """Return that a number is not where it is expected."""
-    low, high = likely
-    span = f"at least {low:.3g}" if high == math.inf else f"{low:.3g} to {high:.3g}"
     why = f" ({field.why})" if field.why else ""
     name = field.words.partition(" (")[0]
-    return f"{name}: {value:.4g} {field.unit}; expected {span} {field.unit}{why}"
+    span = f"{likely[0]:.3g} to {likely[1]:.3g} {field.unit}"
+    return f"{name}: {value:.4g} {field.unit}; expected {span}{why}"
 
 
 def _unit(text: str, field: Field) -> str:

@@ -223,7 +223,7 @@ class SimulatedPerson:
 
 
 def crawl_cells(rows: Array, gait: Gait) -> Cells:
-    """Return the cells of a `video` reading of a gait at its own rate, but the film's hash.
+    """Return what a film of a gait at its own rate tells: the cells of a `video` reading.
 
     rows: t_s, x_m, y_m, heading_rad and every joint's angle, rad.
     """
@@ -240,9 +240,6 @@ def crawl_cells(rows: Array, gait: Gait) -> Cells:
     cycles = max(np.ptp(t_s) / gait.period_s - 1.0, 0.5)
     speed_m_s = float(speeds.mean())
     return {
-        "alpha_deg": math.degrees(gait.alpha_rad),
-        "beta_deg": math.degrees(gait.beta_rad),
-        "omega_rad_s": gait.omega_rad_s,
         "offset_deg": math.degrees(float(sines[0].mean())),
         "speed_m_s": speed_m_s,
         "speed_sigma_m_s": math.hypot(

@@ -6,10 +6,8 @@ Columns are told by their names, as Tracker, Kinovea (in its languages) and peop
 
 from __future__ import annotations
 
-import hashlib
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -68,15 +66,6 @@ MAX_STEP_S = 0.5  # between two pictures of a push, where the time has no unit
 MIN_PLACES = 3
 
 
-@dataclass(frozen=True)
-class TrackFile:
-    """Hold t_s, x_m, y_m (rows, 3) of one point, the file's SHA-256, and what is to be told."""
-
-    values: Floats
-    sha256: str
-    notes: tuple[str, ...] = ()
-
-
 class Column(NamedTuple):
     """Hold where a column is, its name as written, what it is ("t", "frame", "x", "y" or "").
 
@@ -129,8 +118,8 @@ def _columns(head: list[str]) -> list[Column] | None:
     return [column for column in (time, x, y) if column] if time and x else None
 
 
-def read_track_file(path: Path, unit: str | None = None) -> TrackFile:
-    """Return the track of a file's first point.
+def read_track_file(path: Path, unit: str | None = None) -> tuple[Floats, list[str]]:
+    """Return t_s, x_m, y_m of a file's first point, a row each, and what is to be told of it.
 
     A time without unit is in s. Rows with an empty place are left out.
 
@@ -183,7 +172,7 @@ def read_track_file(path: Path, unit: str | None = None) -> TrackFile:
         notes.append(f"{path.name}: the first point, {x.name}, is taken; the others are left out")
     if columns[2:] == []:
         notes.append(f"{path.name}: no column y; the track is taken as straight along x")
-    return TrackFile(track, hashlib.sha256(table.text.encode()).hexdigest(), tuple(notes))
+    return track, notes
 
 
 def _number(table: TextTable, line: int, text: str, column: Column) -> float:

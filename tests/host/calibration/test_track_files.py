@@ -29,9 +29,9 @@ def read(tmp_path, text, unit=None, encoding="utf-8", name="track.csv"):
     return read_track_file(path, unit)
 
 
-def same(found, atol_m=2e-5, atol_s=1e-4):
-    np.testing.assert_allclose(found.values[:, 1:], ROWS[:, 1:], atol=atol_m)
-    return np.ptp(found.values[:, 0] - ROWS[:, 0]) < atol_s
+def same(found, atol_s=1e-4):
+    np.testing.assert_allclose(found[0][:, 1:], ROWS[:, 1:], atol=2e-5)
+    return np.ptp(found[0][:, 0] - ROWS[:, 0]) < atol_s
 
 
 @pytest.mark.parametrize("unit", METRES)
@@ -82,12 +82,12 @@ def test_what_spreadsheets_put_around_a_table(tmp_path, encoding, first):
 def test_the_point_that_was_taken_is_told(tmp_path):
     found = read(tmp_path, tracker(ROWS, points=("head", "mass B")), "m")
     assert same(found)
-    assert "the first point, x, is taken" in found.notes[0]
-    assert read(tmp_path, tracker(ROWS), "m").notes == ()
+    assert "the first point, x, is taken" in found[1][0]
+    assert read(tmp_path, tracker(ROWS), "m")[1] == []
     flat = "\n".join(["t_s,x_m", *(f"{t},{x}" for t, x, _ in ROWS)])
     found = read(tmp_path, flat)
-    assert "no column y" in found.notes[0]
-    assert not found.values[:, 2].any()
+    assert "no column y" in found[1][0]
+    assert not found[0][:, 2].any()
 
 
 def test_places_that_were_not_seen_are_left_out(tmp_path):
@@ -96,7 +96,7 @@ def test_places_that_were_not_seen_are_left_out(tmp_path):
         lines[row + 1] = lines[row + 1].split(",")[0] + f',"{empty}","{empty}"'
     found = read(tmp_path, "\n".join(lines))
     seen = np.delete(ROWS, [5, 9, 12, 20], axis=0)
-    np.testing.assert_allclose(found.values, seen, atol=1e-4)
+    np.testing.assert_allclose(found[0], seen, atol=1e-4)
 
 
 @pytest.mark.parametrize(
