@@ -13,7 +13,6 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any
 
-PATIENCE = 30  # seconds on the wall for each one allowed on the processor
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
@@ -66,7 +65,8 @@ class Limited:
         """
         self._pipe.send((limit_s, work, arguments))
         try:
-            if self._pipe.poll(PATIENCE * limit_s):
+            # For each second on the processor 30 are allowed on the wall.
+            if self._pipe.poll(30 * limit_s):
                 return self._pipe.recv()
         except (EOFError, ConnectionError):
             self._child.join(1.0)

@@ -32,7 +32,6 @@ from .problems import Array
 NUDGE_M = 1e-9
 UNSTABLE_GROWTH = 10.0  # over the second half of the steps: 0.4 % a step of 1200
 SAMPLES = 20
-TORN_LENGTHS = 0.1  # Link lengths: a joint opens so far, and 30 times its start
 FAR_M = 1e-4  # a difference that has come this far from NUDGE_M has grown, however it goes on
 WORDS = ("stable, runs", "unstable, refused", "refused, no growth seen", "SILENTLY WRONG")
 COLOURS = ("#9ecae1", "#f4a582", "#fde0b8", "#b2182b")  # One for each of WORDS
@@ -131,7 +130,8 @@ def growth(scene: Scene, steps: int) -> float:
     except Diverged:
         return math.inf
     apart, open_m = np.abs(moved - plain).max(axis=(1, 2)), np.abs(plain).max(axis=(1, 2))
-    torn = open_m.max() > max(TORN_LENGTHS * scene.robot.link_length_m, 30 * open_m[0])
+    # A joint is torn if it opens by 0.1 link lengths and 30 times as far as at the start.
+    torn = open_m.max() > max(0.1 * scene.robot.link_length_m, 30 * open_m[0])
     if torn or not apart.max() < FAR_M:
         return math.inf
     # undamped modes beat: the largest of several samples; and positions are rounded to some 1e-14

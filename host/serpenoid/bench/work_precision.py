@@ -30,10 +30,8 @@ from .problems import Array, Problem, problems, reference
 
 STEPS_S = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
 TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
-WIDTHS_M_S = (1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6)  # Widths of the smoothed sign
-DRY_TOLERANCE = 1e-7  # with a smoothed sign: finer than what the widths leave
-MIN_TIMED_S = 2e-3  # shorter work is repeated within a round
 MAX_TIMED_S = 0.1  # longer work is timed once
+WIDTHS_M_S = (1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6)  # widths of the smoothed sign
 TABLE_ERROR = 1e-6
 PEER = "SciPy "  # begins the names of its methods
 FAILED = math.nan, math.nan
@@ -76,7 +74,8 @@ def contenders(problem: Problem) -> list[tuple[str, str, tuple[float, ...]]]:
 def work_of(problem: Problem, method: str, kind: str, setting: float) -> Work:
     """Return the call that is timed, of one method at one setting; it returns the end state."""
     if method.startswith(PEER):
-        how = (DRY_TOLERANCE, setting) if kind == "width_m_s" else (setting,)
+        # With a smoothed sign 1e-7 is finer than what the widths leave.
+        how = (1e-7, setting) if kind == "width_m_s" else (setting,)
         return partial(scipy_peer.solve, problem, method.removeprefix(PEER), *how)
     scene = problem.scene
     if kind == "dt_s":  # the duration is a whole number of steps
@@ -97,7 +96,8 @@ def _timed(problem: Problem, work: tuple[str, str, float], rounds: int) -> tuple
             end = call()
         times.append((time.thread_time() - begin) / repeats)
         if number == 0:
-            repeats = max(1, round(MIN_TIMED_S / max(times[0], 1e-7)))
+            # Work shorter than 2 ms is repeated within a round.
+            repeats = max(1, round(2e-3 / max(times[0], 1e-7)))
             if times[0] > MAX_TIMED_S:
                 break
     if not np.isfinite(end).all():

@@ -14,7 +14,6 @@ from .problems import problems, reference
 from .work_precision import PEER, Row
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#B8860B")  # of our methods, in order
-MARKERS = "osD^v"
 ERRORS, TIMES_S = (3.0, 1e-15), (3e-6, 5.0)  # the same in all panels
 WORDS = (
     "Filled: this package; open: SciPy's solvers, on equations in Python. Lower is "
@@ -29,7 +28,7 @@ def work_precision_figure(rows: Sequence[Row], path: Path) -> None:
     row_count = -(-len(scenes) // columns)
     styles: dict[str, Any] = {
         name: {"color": colour, "marker": marker, "lw": 1.8, "ms": 4.5, "zorder": 3}
-        for name, colour, marker in zip(METHODS, COLOURS, MARKERS, strict=True)
+        for name, colour, marker in zip(METHODS, COLOURS, "osD^v", strict=True)
     }
     styles[PEER] = {"color": "#8c8c8c", "marker": "o", "mfc": "white", "lw": 0, "ms": 4}
     panels = {"rows": row_count, "squeeze": False, "sharex": True, "sharey": True}

@@ -24,14 +24,9 @@ from .search import COSTS, FINE_RTOL, ON_LIMIT, SMOOTH_RTOL, Point, Search, log_
 PAPER_LIMITS, NO_LOSSES = GaitLimits(), SpeedLosses(math.nan, math.nan)
 MAX_LENGTHS_A_SECOND = 100.0  # body lengths: no snake robot comes near
 MIN_LENGTHS_A_SECOND = 1e-6  # on dry ground states of slower gaits drown in rounding
-EXACT_RTOL = 1e-10  # accuracy of the answer on viscous ground, net power
 SPRINGS_RTOL = 1e-4  # accuracy of the answer by springs and dampers
-SPEED_EXPONENT = 3  # power rises at most as speed cubed, or about
 MAX_SPEED_MISS = 1e-2  # relative: a precise state that is farther off shows rough ones to be wrong
-POWER_RTOL = 10  # times the accuracy of a state's speed: that of its power
-MAX_SECANTS = 6  # states of the answer, until its speed is the wanted one
 MIN_LINKS = 3  # with two links a stroke of the one joint undoes the one before it
-NO_TRAVEL = 1e-9  # body lengths a radian of the gait: less is rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,7 +166,8 @@ def least_power_gait(
     springs = (joint_stiffness_n_m, joint_damping_n_s_m) if formulation == "implicit" else None
     search = Search(robot, ground, speed_m_s, cost, limits, springs)
     if rtol is None:
-        exact = EXACT_RTOL if cost == "power" else SMOOTH_RTOL
+        # The answer's net power on viscous ground is known to 1e-10.
+        exact = 1e-10 if cost == "power" else SMOOTH_RTOL
         rtol = SPRINGS_RTOL if springs else exact if ground.smooth else 0.1 * FINE_RTOL
     check_ground(ground, rtol)
     if robot.links < MIN_LINKS:
@@ -285,8 +281,10 @@ def _finished(search: Search, best: Point, gain: float, rtol: float) -> LeastPow
         exact_rtol = max(rtol, SMOOTH_RTOL if search.springs is None else 1e-6)
         exact = steady_gait(robot, ground, gait, rtol=exact_rtol)
     losses = speed_losses(robot, ground, gait)
-    shapes_rtol = POWER_RTOL * search.accuracy[0]  # to which the search knows powers
-    unknown = gain + shapes_rtol + SPEED_EXPONENT * miss
+    # The power of a state is known to ten times what its speed is.
+    shapes_rtol = 10 * search.accuracy[0]  # to which the search knows powers
+    # Power rises at most with about the third power of speed.
+    unknown = gain + shapes_rtol + 3 * miss
     return LeastPower(
         gait,
         watts,
@@ -310,7 +308,8 @@ def _at_speed(search: Search, best: Point, rtol: float) -> tuple[Gait, Any]:
     assert best.gait is not None
     gait, x, slope = best.gait, math.log(best.gait.omega_rad_s), 1.0
     state, previous, nearest = None, None, math.inf
-    for _ in range(MAX_SECANTS):
+    # Six states at most, until the speed is the wanted one.
+    for _ in range(6):
         tried = replace(gait, omega_rad_s=math.exp(x))
         solved = search.state(tried, rtol)
         if solved is None or solved.speed_m_s <= 0:
@@ -333,7 +332,8 @@ def _unreachable(search: Search) -> str:
     fastest, unit_m_s = search.fastest(), search.robot.body_length_m
     gait = None if fastest is None else fastest.gait
     speed_m_s = 0.0 if fastest is None else search.speed_m_s * math.exp(-fastest.log_cost)
-    if gait is None or speed_m_s < NO_TRAVEL * unit_m_s * gait.omega_rad_s:
+    # Less than 1e-9 body lengths a radian of the gait is rounding.
+    if gait is None or speed_m_s < 1e-9 * unit_m_s * gait.omega_rad_s:
         return (
             f"no gait travels at all {within}: ask for wider limits; three links and friction that "
             "is greater across them than along them are needed, too"

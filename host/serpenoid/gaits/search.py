@@ -32,41 +32,28 @@ COSTS = ("power", "abs_power", "positive_power")  # mean powers that a search ma
 ROUGH_RTOL = 1e-3  # accuracy of dry states, and of springs, while shapes are compared
 FINE_RTOL = 1e-5  # the same near the optimum
 SMOOTH_RTOL = 1e-8  # accuracy of viscous states
-MAX_STATE_ERROR = 10  # times the accuracy asked for: a state this good still ranks shapes
 
 # The table.
 ALPHAS_RAD = np.radians(np.geomspace(6.0, 150.0, 15))  # gaits outside hardly travel
 MANY_LINKS = 8  # links: longer robots have several narrow valleys
 LAG_COUNTS = 14, 20  # phase lags tried: robots up to MANY_LINKS, longer ones
 MAX_LAG_RAD = math.radians(175.0)  # a standing wave, of 180 degrees, goes nowhere
-MIN_RATE = 1.05  # over the rate at which the wave itself travels at the wanted speed
 RATE_STEP = 1.45  # factor between rates: lines between them err by a few per cent
 RATES_AT_ONCE = 4  # solved together, before shapes that cost too much are left out
-MAX_RATES = 28  # a factor of 20 000
-FASTEST_RATE = 1e3  # over speed by link length: the highest rate where no limit bounds it
-MAX_RANKED = 60  # cheapest shapes whose robustness is looked at
-START_COUNT = 4  # shapes that are followed
 START_DISTANCE = 0.35  # e-folds between two of them, so that they lie in different valleys
-MAX_START_COST = 1.6  # times the cheapest: what the coarse table may hide
 START_PENALTY = 8.0  # slope of ln cost over ln excess beyond a limit: a start may lie beyond one
 
 # Nelder-Mead.
-LIMIT_PENALTY = 300.0  # slope of ln cost over ln excess: cost never falls so fast beyond a limit
-SHARE_PENALTY = 30.0  # the same of a share of speed: smaller, as that limit gives way to the others
 FIRST_SIZE = 0.15  # e-folds, of the simplex: half a step of the table
 FIRST_END = 0.02  # e-folds, where the first descents end
 MAX_EVALUATIONS = 90  # longest descent
-RESTARTS = 8  # largest count
-MIN_SETTLED = 1e-7  # e-folds of cost: two restarts that gain less end a search of exact states
 
 # A search along a limit.
 NEAR_LIMIT = 0.02  # e-folds within a limit: from here the limit itself is followed
 PROBE = 1e-3  # e-folds of shape between two margins that give the limit's direction
 ON_LIMIT = 1e-6  # e-folds from a limit that count as on it
-ONTO_LIMIT_STEPS = 4  # along the normal
 
 # The rate of a shape.
-MAX_RATE_STEPS = 12  # longest search by the safeguarded secant method
 MAX_LOG_STEP = 0.5  # largest step of that method
 MIN_SLOPE, MAX_SLOPE = 0.1, 10.0  # of ln speed over ln rate: beyond, 1 is as good a guess
 RATE_ROUNDING = 1e-12  # e-folds: two rates this near are one
@@ -95,7 +82,9 @@ class Point:
     @property
     def price(self) -> float:
         """Return what the search makes least: ln cost, and more beyond a limit."""
-        lack = LIMIT_PENALTY * min(self.margin, 0.0) + SHARE_PENALTY * min(self.share_margin, 0.0)
+        # Slopes of ln cost over ln excess: cost never falls as fast as 300 beyond a limit. That of
+        # the share of speed is smaller, as this limit gives way to the others.
+        lack = 300.0 * min(self.margin, 0.0) + 30.0 * min(self.share_margin, 0.0)
         return self.log_cost - lack
 
 
@@ -166,7 +155,8 @@ class Search:
             begin = start if not self.ground.smooth else None
             powers = self.cost != "power"
             state = state_near(self.robot, self.ground, gait, rtol=rtol, powers=powers, start=begin)
-            accepted = begin is not None or state.error_estimate < MAX_STATE_ERROR * rtol
+            # A state with ten times the error asked for still ranks shapes.
+            accepted = begin is not None or state.error_estimate < 10 * rtol
             return state if accepted else None
         stiffness, damping = self.springs
         with suppress(SerpenoidError):
@@ -219,7 +209,8 @@ class Search:
         x, slope, state = math.log(neighbour.gait.omega_rad_s), 1.0, neighbour.state
         tried: list[tuple[float, float, float]] = []  # ln rate, ln speed ratio, ln cost
         slow, fast = -math.inf, math.inf
-        for _ in range(MAX_RATE_STEPS):
+        # The safeguarded secant method takes 12 states at most.
+        for _ in range(12):
             solved = self.state(Gait(alpha, beta, math.exp(x)), rtol, state)
             if solved is None:
                 break
@@ -262,16 +253,18 @@ class Search:
 
     def starts(self) -> list[Point]:
         """Return the cheapest shapes of a coarse table, in different valleys, cheapest first."""
-        points = sorted(self._table(), key=lambda point: point.log_cost)[:MAX_RANKED]
+        # The robustness of the 60 cheapest shapes is looked at.
+        points = sorted(self._table(), key=lambda point: point.log_cost)[:60]
         points = [self._with_share(point) for point in points]
         points.sort(key=lambda point: point.log_cost)
         starts: list[Point] = []
         for point in points:
             distances = (math.dist(point.log_shape, start.log_shape) for start in starts)
-            cheap = not starts or point.log_cost < starts[0].log_cost + math.log(MAX_START_COST)
+            # The coarse table may hide a factor of 1.6 of the cost.
+            cheap = not starts or point.log_cost < starts[0].log_cost + math.log(1.6)
             if cheap and min(distances, default=math.inf) > START_DISTANCE:
                 starts.append(point)
-        return starts[:START_COUNT]
+        return starts[:4]
 
     def _with_share(self, point: Point) -> Point:
         """Return a start made dearer by what it lacks of the share of speed that is to be kept."""
@@ -295,7 +288,8 @@ class Search:
         A wave travels at no more than omega L / beta, so slower rates are left out.
         """
         limits = self.limits
-        lowest = MIN_RATE * self.speed_m_s * beta_rad / self.robot.link_length_m
+        # The first rate is 1.05 times that at which the wave travels at the wanted speed.
+        lowest = 1.05 * self.speed_m_s * beta_rad / self.robot.link_length_m
         lowest = max(lowest, limits.omega_low_rad_s)
         shapes = [(alpha, beta_rad) for alpha in alphas.tolist()]
         last: list[tuple[float, float, float] | None] = [None] * len(shapes)
@@ -305,7 +299,8 @@ class Search:
             if lowest < RATE_STEP * min(limits.servo_speed_rad_s / alpha, limits.omega_high_rad_s)
         ]
         points = []
-        for first in range(0, MAX_RATES, RATES_AT_ONCE):
+        # 28 rates span a factor of 20 000.
+        for first in range(0, 28, RATES_AT_ONCE):
             if not active:
                 break
             rates = lowest * RATE_STEP ** np.arange(first, first + RATES_AT_ONCE)
@@ -431,7 +426,7 @@ class Search:
         def price(along: float) -> float:
             shape = start.log_shape + along * tangent
             best = math.inf
-            for _ in range(ONTO_LIMIT_STEPS):
+            for _ in range(4):
                 end = point(shape)
                 best = min(best, end.price)
                 if abs(getattr(end, margin)) < ON_LIMIT:
@@ -460,14 +455,15 @@ class Search:
         rtol, end = self.accuracy
         best = self.point(best.log_shape, best, rtol)
         size, gains = -FIRST_SIZE / 2, [math.inf, math.inf]
-        for _ in range(RESTARTS):
+        for _ in range(8):
             lower = self.descend(best, size, end, rtol)
             for margin in ("margin", "share_margin", "angle_margin"):
                 if abs(getattr(lower, margin)) < NEAR_LIMIT:
                     lower = self.along_limit(margin, lower, size, rtol)
             gains.append(abs(best.price - lower.price))
             best = lower
-            if sum(gains[-2:]) < max(rtol, MIN_SETTLED):
+            # Two restarts that gain less than 1e-7 of the cost end a search of exact states.
+            if sum(gains[-2:]) < max(rtol, 1e-7):
                 break
             size *= -0.6
         return best, sum(gains[-2:])
@@ -479,7 +475,8 @@ class Search:
         for alpha in alphas.tolist():
             top = min(limits.servo_speed_rad_s / alpha, limits.omega_high_rad_s)
             if top == math.inf:
-                top = FASTEST_RATE * self.speed_m_s / self.robot.link_length_m
+                # Where no limit bounds the rate, 1000 times speed over link length does.
+                top = 1e3 * self.speed_m_s / self.robot.link_length_m
             rates = top * np.array([0.25, 0.5, 1.0])
             misses = self._solved([(alpha, beta) for beta in lags.tolist()], rates)[..., 0]
             if np.isnan(misses).all():

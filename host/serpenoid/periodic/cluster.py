@@ -22,8 +22,6 @@ from ..model.robot import Robot
 Shape = tuple[Robot, Ground, Gait]  # its gait at the first rate
 
 CONNECT_S = 10.0  # longest wait for the scheduler
-FIRST_WORKER_S = 60.0  # longest wait for the first worker
-CHUNKS_PER_THREAD = 4  # fewest, so that all of the cluster's threads end at about the same time
 GAITS_PER_CHUNK, DRY_GAITS_PER_CHUNK = 20_000, 2_000  # largest chunks: about a second of work
 
 
@@ -83,8 +81,9 @@ def solve_on_cluster(
     try:
         client: Any = distributed.Client(scheduler, timeout=CONNECT_S, set_as_default=False)
         with client:
-            client.wait_for_workers(1, FIRST_WORKER_S)
-            share = -(-len(shapes) // (CHUNKS_PER_THREAD * sum(client.nthreads().values())))
+            client.wait_for_workers(1, 60.0)
+            # With four chunks a thread all threads end at about the same time.
+            share = -(-len(shapes) // (4 * sum(client.nthreads().values())))
             gaits = GAITS_PER_CHUNK if shapes[0][1].smooth else DRY_GAITS_PER_CHUNK
             size = min(share, max(1, gaits // len(rates)))
             chunks = [shapes[k : k + size] for k in range(0, len(shapes), size)]

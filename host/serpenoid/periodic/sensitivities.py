@@ -23,7 +23,6 @@ STEPS = (
 )  # changes of the number; the longer one shows the error of the shorter
 MIN_SIDE_RATIO = 0.1  # share of the larger side: by more, the two sides differ
 MIN_SIDE_PERCENT = 0.02  # per cent of speed for 1 %: smaller differences do not matter
-STATE_RTOL = 1e-7
 
 Parts = tuple[Any, Any, Any]  # Robot, Ground, Gait
 
@@ -113,7 +112,7 @@ def speed_sensitivities(
     factors: list[float] = (1 + np.outer(STEPS, (-1, 1))).ravel().tolist()
     changed = [changed_parts(parts, number, factor) for number, factor in product(NUMBERS, factors)]
     models = [core_model(*part) for part in (parts, *changed)]
-    states = _core.neighbours(models[0], models, STATE_RTOL, False, 1)
+    states = _core.neighbours(models[0], models, 1e-7, False, 1)
     speeds = np.array([state.speed for state in states])
     claims = np.array([state.speed_error for state in states])
     if not speeds[0] > floor_m_s:

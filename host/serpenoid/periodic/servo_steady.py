@@ -28,12 +28,8 @@ from ..servos.speed_limit import (
 )
 from .steady import Steady, relative_error, steady_gait
 
-DRAWS = 512
 LEAST_AMPLITUDE = 0.2  # of the gait's: below it the typical servo is too weak for the robot
 _STEP_S, _LONG_STEP_S, _ROUGH_STEP_S, _LONG_PERIOD_S = 1e-3, 2e-3, 4e-3, 2.0
-_LEVEL = 0.95
-_LEAST_TAIL = 1e-6  # of few draws: then the outermost one is the end
-_INSIDE = 4  # draws of a band solved finely between two at either end
 _FINE_COUNT = 16  # draws, of which none is solved roughly
 _SLOW = 5e-3  # of body length times rate: a draw of a slower gait is known no better
 _MOST_OFF = 0.15  # of the draws' scatter: what a rough one may be off by, once put right
@@ -49,7 +45,8 @@ def band(drawn: Array | Sequence[float]) -> tuple[float, float]:
     from scipy.special import betainc
 
     n = len(drawn)
-    tail = max(((n + 1) * (1.0 - _LEVEL) / 2 - 0.5) / n, _LEAST_TAIL)
+    # Of few draws the outermost one is the end.
+    tail = max(((n + 1) * 0.025 - 0.5) / n, 1e-6)
     weight = np.diff(betainc((n + 1) * tail, (n + 1) * (1 - tail), np.arange(n + 1) / n))
     ordered = np.sort(np.ravel(drawn))
     return float(weight @ ordered), float(weight[::-1] @ ordered)
@@ -300,7 +297,8 @@ def drawn_servo_speeds(
     if len(servos) <= _FINE_COUNT:
         return solved(indices, False)
     values = solved(indices, True, progress)
-    inside = np.linspace(1, len(servos) - 2, _INSIDE + 2).round().astype(int)
+    # Four draws between both ends are solved finely, too.
+    inside = np.linspace(1, len(servos) - 2, 6).round().astype(int)
     order = np.argsort(values)
     picked = order[[0, *inside, -1]]
     fine = solved(picked.tolist(), False)
@@ -318,7 +316,7 @@ def drawn_servo_speeds(
 def with_servo(
     ideal: Steady,
     servo: Servo | ServoKind,
-    draws: int = DRAWS,
+    draws: int = 512,
     progress: Callable[[float], object] | None = None,
     threads: int | None = None,
 ) -> ServoSteady:

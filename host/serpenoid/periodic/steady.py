@@ -45,9 +45,6 @@ class FromRest:
         return asdict(self)
 
 
-POWER_DOUBT = 1e-4  # share of positive power: a smaller error needs no words
-
-
 @dataclass(frozen=True, slots=True)
 class Steady(Plottable):
     """Hold the periodic state of a gait (explicit model), when the start is forgotten.
@@ -208,7 +205,8 @@ class Steady(Plottable):
         ''
         """
         share = self.positive_power_error_w / max(self.positive_power_w, 1e-300)
-        if share <= max(10 * rtol, POWER_DOUBT):
+        # An error below 1e-4 of the positive power needs no words.
+        if share <= max(10 * rtol, 1e-4):
             return ""
         return (
             f"the power without regeneration, {self.positive_power_w:.3g} W, is known to "

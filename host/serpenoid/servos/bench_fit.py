@@ -25,7 +25,6 @@ from .bench_test import UNREPORTED, Array, BenchModel, BenchTest, Prior, Values
 POPULATION, MOVES = 96, 400  # samples that move together, at each rate of the loop
 SAMPLES, SERVO_COUNT = 384, 128  # that intervals are made of, and servos in a file
 DRAWN_STARTS, BEST_STARTS = 1024, 8  # servos drawn; least squares start from the best of them
-START_SIGMAS = 1.5  # width of what starts are drawn from, in standard deviations of the priors
 MIN_P_VALUE = 0.01  # below it the model does not describe the table
 BLOCK_ROWS, MIN_BLOCKS = 8, 5  # rows whose mean residual is tested; blocks beyond the parameters
 MAX_SIGMA_RATIO = 0.6  # of the prior's sigma: a value that keeps more is open
@@ -100,7 +99,8 @@ def _searched(model: BenchModel, continuous: Fit | None, rng: np.random.Generato
     continuous: the fit of a continuous loop, whose zero, gain and delays the drawn ones have. Each
     step of a sampled loop waits for a sample, up to a period longer or shorter.
     """
-    starts = START_SIGMAS * rng.normal(size=(DRAWN_STARTS, model.size))
+    # Starts are drawn from 1.5 standard deviations of the priors.
+    starts = 1.5 * rng.normal(size=(DRAWN_STARTS, model.size))
     first_step = len(model.names)
     starts[:, first_step:] = 0.0
     if continuous is not None:

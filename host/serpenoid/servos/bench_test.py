@@ -112,15 +112,12 @@ class Prior(NamedTuple):
         return self.typical + self.sigma * x
 
 
-STEP_DELAY_S = 0.006  # sigma of a step's delay: it waits for a frame, 0 to 20 ms
 # What a test has beside the servo itself.
 TEST_PRIORS = {
     "zero_rad": Prior(0.0, math.radians(10.0)),  # teeth of a horn are 14 to 17 degrees apart
     "delay_s": Prior(0.01, 0.05),  # half a frame of 20 ms, and a log that runs late
     "start_rad": Prior(0.0, math.radians(0.5)),  # from the rows before the first step
 }
-LOG_GAIN = 0.05  # sigma of the logarithm: degrees of the joint for a degree of the setpoint
-DERIVATIVE_S = 0.05  # sigma of the loop's D beyond the motor's own, over its stiffness
 # A load that nobody stated pulls with parts of the stalled torque at two angles; of one that was
 # stated, mass times distance and the angle at which it hangs down are uncertain.
 UNSTATED_LOAD = {
@@ -164,7 +161,8 @@ def servo_priors(kind: ServoKind) -> dict[str, Prior]:
         volts = sigma.get("supply_v", 0.0) if at_volts else 0.0
         priors[name] = Prior(value, math.hypot(sigma.get(field, 0.0), volts), logarithmic=True)
     derivative = (servo.damping_nms_rad - line) / max(servo.stiffness_nm_rad, 1e-12)
-    return priors | {"derivative_s": Prior(derivative, DERIVATIVE_S)}
+    # The loop's D beyond the motor's own has a sigma of 0.05 s, over its stiffness.
+    return priors | {"derivative_s": Prior(derivative, 0.05)}
 
 
 class BenchModel:
@@ -178,7 +176,8 @@ class BenchModel:
         self.test, self.kind, self.update_hz = test, kind, update_hz
         self.period_s = 1 / update_hz if update_hz else 0.0
         self.priors = servo_priors(kind) | TEST_PRIORS
-        self.priors["gain"] = Prior(_sign_of_angles(test), LOG_GAIN, logarithmic=True)
+        # The joint's degrees for one of the setpoint have a sigma of 5 %.
+        self.priors["gain"] = Prior(_sign_of_angles(test), 0.05, logarithmic=True)
         self.priors |= UNSTATED_LOAD if test.load is None else STATED_LOAD
         self.names = [name for name, prior in self.priors.items() if prior.sigma > 0]
         changes = np.flatnonzero(np.diff(test.setpoint_rad)) + 1
@@ -188,7 +187,8 @@ class BenchModel:
         self.start_rad = float(np.mean(test.angle_rad[: changes[0]][-5:]))
         self.steps = changes.size if changes.size <= MAX_STEPS else 0
         # A step waits for the loop's next sample, up to a period.
-        self.step_sigma_s = math.hypot(STEP_DELAY_S, self.period_s / math.sqrt(12))
+        # A step waits for a frame, 0 to 20 ms: a sigma of 6 ms.
+        self.step_sigma_s = math.hypot(0.006, self.period_s / math.sqrt(12))
         self.size = len(self.names) + self.steps
         self.noise_rad = test.noise_rad
 

@@ -33,7 +33,6 @@ from ..model.drives import REMOVED, UNCERTAIN, Servo, ServoKind
 
 _MOTOR_S, _FRICTION, _DAMPING, _FULL_RAD = 0.037, 0.05, 0.07, 0.17
 _BAND_RAD = math.radians(0.09 * 6 / 2)  # 6 us in all; 1000 us are 90 degrees; sheets say 3 to 10
-_KG_CM = 0.0980665  # N m
 _LOOKS_HZ = (50.0, 300.0)  # analogue, digital
 # Where nobody has measured it, the voltage at the plug: 4.8 to 6 V, all as likely.
 _PLUG_V = math.sqrt(4.8 * 6.0)
@@ -68,7 +67,8 @@ def _of_sheet(
     source: str,
 ) -> ServoKind:
     """Return the prior with a sheet's torque, kg cm, and seconds for 60 degrees at a voltage."""
-    torque = kg_cm * _KG_CM / (1 - _FRICTION)
+    # One kg cm is 0.0980665 N m.
+    torque = kg_cm * 0.0980665 / (1 - _FRICTION)
     speed = math.radians(60) / s_60_deg * (1 + _DAMPING) / (1 - _FRICTION)
     line = torque / speed
     servo = Servo(

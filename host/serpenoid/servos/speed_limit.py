@@ -11,7 +11,6 @@ from ..model.gait import Gait
 # Share of the no-load speed, where a servo has no torque left. Up to this share the speeds of a
 # robot with servos of one kind spread by some 8 %, above it by a factor of 1.5 and more.
 MAX_NO_LOAD_SHARE = 0.9
-MAX_ROUNDING = 1.005  # of a frequency limit: what rounding may add to it in a sentence
 
 
 def joint_rate_rad_s(gait: Gait) -> float:
@@ -63,5 +62,5 @@ def too_fast_text(gait: Gait, servo: Servo | ServoKind | None, gait_name: str = 
         f"{too_fast} for {name}: the joints must turn at {rate_rad_s:.{digits}g} rad/s; the limit "
         f"is {limit_rad_s:.{digits}g} ({100 * MAX_NO_LOAD_SHARE:.0f} % of its no-load speed, "
         f"{free_rad_s:.2g}). Stay below "
-        f"{math.floor(MAX_ROUNDING * highest / unit_hz) * unit_hz:.2g} Hz."
+        f"{math.floor(1.005 * highest / unit_hz) * unit_hz:.2g} Hz."
     )

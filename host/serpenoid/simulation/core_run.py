@@ -22,7 +22,6 @@ from .scene import MAX_LINK_STEPS, Scene, exact_scene, objection
 from .stability import friction_rate
 
 Progress = Callable[[float], object]
-STANDARD_GRAVITY_M_S2 = 9.80665
 ENERGY_COLUMNS = (
     "kinetic_j",
     "springs_j",
@@ -147,7 +146,7 @@ def core_request(scene: Scene) -> Any:
     for name in _core.SCENE_FIELDS:
         setattr(q, name, getattr(scene, name))
     if scene.incline_rad > 0:
-        downhill = -STANDARD_GRAVITY_M_S2 * math.sin(scene.incline_rad)
+        downhill = -9.80665 * math.sin(scene.incline_rad)
         direction = scene.incline_direction_rad
         q.set_slope(downhill * math.cos(direction), downhill * math.sin(direction))
     if isinstance(scene.torque, TorqueTable):

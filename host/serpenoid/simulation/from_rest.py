@@ -18,12 +18,10 @@ from .core_run import start_state
 from .scene import Scene, exact_scene
 from .simulate import simulate
 
-_SAME = 0.01  # of what a cycle turns and travels, rad and body lengths, and of 0.1 more
 # Of the distance to the reported motion: what a settled motion may still change from run to run,
 # and what one may where the time is over.
 _REPEATS, _NEARLY_REPEATS = 1e-3, 0.02
 _LONGEST_S = 2.0  # of waiting
-_TOLERANCE = 1e-5  # local, of the runs
 _CYCLES = 10, 100, 6000  # of one run: fewest, most on dry ground, most on viscous ground
 # On viscous ground 43 of 3200 random robots had two stable motions, in bent gaits: with cn / ct up
 # to 0.33, and ct over mass and rate of the gait up to 0.02. These are two and three times that.
@@ -45,7 +43,7 @@ def from_rest(state: Steady) -> FromRest | None:
     cycles_limit = _CYCLES[2] if ground.smooth else _CYCLES[1]
     cycles = math.ceil(min(max(state.settling_time_s / gait.period_s, _CYCLES[0]), cycles_limit))
     scene = Scene(state.robot, ground, gait, dt_s=gait.period_s, duration_s=cycles * gait.period_s)
-    scene = exact_scene(scene, _TOLERANCE)
+    scene = exact_scene(scene, 1e-5)
     body_m = state.robot.body_length_m
     reported = np.array([state.turn_rad_per_cycle, state.chord_m_s * gait.period_s / body_m])
     for k, start in enumerate(islice(_starts(scene), None if ground.smooth else 1)):
@@ -124,4 +122,5 @@ def _settled(scene: Scene, reported: Array, until: float) -> Array | None:
 
 
 def _same(motion: Array, reported: Array) -> bool:
-    return math.dist(motion, reported) < _SAME * (0.1 + math.hypot(*reported))
+    # They differ by less than 1 % of what a cycle turns and travels, and of 0.1 more.
+    return math.dist(motion, reported) < 0.01 * (0.1 + math.hypot(*reported))

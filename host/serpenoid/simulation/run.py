@@ -21,7 +21,6 @@ from .core_run import ENERGY_COLUMNS
 from .scene import Scene, objection
 
 BELIEVED_SIZE = 0.01  # body lengths and radians up to which a run is called believable
-REST_LENGTHS = 1e-4  # body lengths a period: a robot that goes less has no speed to compare with
 WARNED_SPEED = 0.01  # relative error of the mean speed that a warning names
 WARNED_SIZE = 0.1  # body lengths and radians that a warning names
 _CSV_GROUPS = (
@@ -281,7 +280,8 @@ def difference(run: Run, truth: Run, factor: float = 1.0) -> tuple[Difference, f
 
 def _rests(run: Run) -> bool:
     periods = run.t_s[-1] / run.scene.gait.period_s
-    return bool(run.travel_m <= REST_LENGTHS * periods * run.scene.robot.body_length_m)
+    # A robot that goes less than 1e-4 body lengths a period has no speed to compare with.
+    return bool(run.travel_m <= 1e-4 * periods * run.scene.robot.body_length_m)
 
 
 def warnings_of(scene: Scene, error: RunError) -> tuple[str, ...]:

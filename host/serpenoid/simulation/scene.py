@@ -36,9 +36,7 @@ from ..model.robot import Robot
 MAX_LINK_STEPS = 10**11
 MIN_TOLERANCE = 1e-13
 MAX_RECORDED_BYTES = 4_000_000_000
-DEFAULT_ROWS = 20_000
 MAX_FIRMWARE_JOINTS = 255  # of the gait in fixed point: a byte counts them
-_MOST_ACCURATE = ("dop853", "nonsmooth", "rk4")  # of the explicit formulation
 _LIMITS = {
     "joint_stiffness_n_m": NOT_NEGATIVE,
     "joint_damping_n_s_m": NOT_NEGATIVE,
@@ -287,7 +285,7 @@ class Scene:
     @property
     def record_steps(self) -> int:
         """Return the number of dt_s between recorded times."""
-        return self.record_every or max(1, math.ceil(self.steps / DEFAULT_ROWS))
+        return self.record_every or max(1, math.ceil(self.steps / 20_000))
 
     @property
     def adaptive(self) -> bool:
@@ -327,7 +325,7 @@ def exact_scene(scene: Scene, tolerance: float) -> Scene:
     """
     record = tuple(name for name in scene.record if name == "energy")
     bare = replace(scene, formulation="explicit", method="auto", record=record)
-    method = next(name for name in _MOST_ACCURATE if objection(name, bare) is None)
+    method = next(name for name in ("dop853", "nonsmooth", "rk4") if objection(name, bare) is None)
     return replace(bare, tolerance=tolerance, method=method)
 
 

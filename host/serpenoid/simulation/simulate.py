@@ -21,11 +21,9 @@ from .scene import METHODS, MIN_TOLERANCE, OwnChoice, Scene, default_method, exa
 from .stability import check_step, largest_stable_step_s
 
 SAFETY = 4.0  # estimated error over the difference from the finer run
-CONTRACTION = 0.75  # largest next difference over this one, where runs of order 1 still converge
 # Difference in body lengths and radians beyond which a third run checks it; so it does any
 # difference of a method that does not know sticking, because its error falls unevenly.
 CHECKED_SIZE = 1e-3
-MAX_TRIES = 6
 MAX_LINK_STEPS = 10**8  # of a run that an accuracy asks for: some ten seconds
 REASONS = {
     "nonsmooth": "dry friction holds wheels: sticking must be exact",
@@ -104,7 +102,8 @@ def _estimate(run: Run) -> RunError:
         if largest.size(body_m) > SAFETY * CHECKED_SIZE or chatters(scene):
             third = _solved(finer_scene(scene, 2), start)
             change, _ = difference(second, third, SAFETY)
-            settled = change.size(body_m) <= CONTRACTION * largest.size(body_m)
+            # Runs of order 1 converge if the next difference is at most 0.75 of this one.
+            settled = change.size(body_m) <= 0.75 * largest.size(body_m)
             largest = max(largest, change, key=lambda part: part.size(body_m))
         how = f"{SAFETY:g} times the difference to a run at {setting} {getattr(finer, setting):.3g}"
         error = RunError(largest, None, f"integration: {how}", settled, believed_s)
@@ -120,7 +119,7 @@ def _accurate_run(scene: Scene, accuracy: float, progress: Progress | None) -> R
     """Return a run whose estimated error is at most the accuracy; or raise NotConverged."""
     start, (tried, why) = start_state(scene), _first_try(scene, accuracy)
     worst, reason = math.inf, "ask for less, or a shorter run"
-    for _ in range(MAX_TRIES):
+    for _ in range(6):
         setting = f"tolerance {tried.tolerance:g}" if tried.adaptive else f"dt_s {tried.dt_s:g}"
         picked = f"formulation {tried.formulation!r}, method {tried.method!r}, {setting}: {why}"
         run = _solved(tried, start, progress, picked)

@@ -24,9 +24,7 @@ from .stability import largest_stable_step_s
 
 _MOST_CYCLES = 4096
 _MOST_STEPS = 1e6  # a cycle, of which a state takes 20 at least: minutes
-_FINE_CYCLES = 8  # with half the step, after which its own periodic state is there
 WORK_COLUMNS = [ENERGY_COLUMNS.index(name) for name in ("joint_work_j", "positive_work_j")]
-_STEPS_A_CYCLE = 1000  # for powers to 1e-4 or closer; a tenth of them for speeds to 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +93,8 @@ def _cycles(
     """Return a scene whose step divides a cycle: stable, and short enough for rtol."""
     period, method = gait.period_s, "rk4" if ground.smooth else "nonsmooth"
     scene = Scene(robot, ground, gait, "implicit", *springs, method=method, start="steady")
-    step_count = _STEPS_A_CYCLE * min(max(1e-4 / rtol, 0.1), 1.0)
+    # 1000 steps a cycle give powers to 1e-4 or closer, a tenth of them speeds to 1e-3.
+    step_count = 1000 * min(max(1e-4 / rtol, 0.1), 1.0)
     step_count = max(step_count, 2 * period / largest_stable_step_s(scene))
     if step_count > _MOST_STEPS:
         raise BadInput(
@@ -192,7 +191,8 @@ def steady_springs(
     scene = _cycles(robot, ground, gait, springs, rtol)
     run, change_m_s, cycles_left, cycles = _settled(scene, rtol)
     floor = speed_floor_m_s(robot, gait.omega_rad_s)
-    half = with_shorter_steps(replace(run.scene, duration_s=_FINE_CYCLES * gait.period_s), 2)
+    # After eight cycles with half the step its own periodic state is there.
+    half = with_shorter_steps(replace(run.scene, duration_s=8 * gait.period_s), 2)
     fine = simulate(replace(half, start=run.state()))
     power_w, fine_power_w = _powers_w(run), _powers_w(fine)
     errors_w = np.abs(power_w[-1] - power_w[-2]) * (1 + cycles_left)
