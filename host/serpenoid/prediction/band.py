@@ -53,7 +53,7 @@ class SpeedBand:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values; None for the ends of a band where the gait is too fast."""
-        hidden = ("gait", "exact_m_s", "samples_m_s", "too_fast")
+        hidden = ("gait", "exact_m_s", "samples_m_s", "too_fast", "level_runs", "slope_shares")
         values = {name: value for name, value in vars(self).items() if name not in hidden}
         return values | ({"low_m_s": None, "high_m_s": None} if self.too_fast else {})
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -20,10 +20,11 @@ from ..model.gait import Gait, gait_name
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import too_fast_text
 from ..session.crawls import Crawls, crawls_by_command, driving, mean_speed, same_command
+from ..session.gait_run import Crawl
 from ..session.session import Session
 from ..simulation.steady_springs import steady_springs
 from .band import SpeedBand, predict
-from .level import level_session
+from .level import level_run, slope_in_words
 from .speeds import AMPLITUDE_SIGMA, SAMPLES, Progress, Samples, draw_samples
 from .verdict import SIMULATED, Factor, Predicted, best_factors
 
@@ -40,9 +41,11 @@ class ComparedGait(SpeedBand):
     runs: numbers of the measured runs; measured_m_s, sigma_m_s: their mean and its standard
     deviation; None if not measured. residual_m_s: measured less exact. implicit_m_s,
     implicit_error_m_s: of the paper's springs, for a gait that was run; None where they never
-    settle.
+    settle. level_runs, slope_shares: the runs, and what a slope may do to them, of `level_run`.
     """
 
+    level_runs: tuple[Crawl, ...] = ()
+    slope_shares: Array = field(default_factory=lambda: np.ones(1))
     runs: tuple[int, ...] = ()
     measured_m_s: float | None = None
     sigma_m_s: float | None = None
@@ -207,36 +210,28 @@ def compare(
     if not asked_gaits:
         raise BadInput(f"{session.where}: {NO_GAIT}")
     servo = servo and driving(session.setup, servo)
-    level, slope_doubts, slope_text = level_session(session, fit, servo and servo.servo, seed)
-    crawls = {crawl.gait: crawl for crawl in crawls_by_command(level)}
+    crawls = {crawl.gait: crawl for crawl in crawls_by_command(session)}
     drawn = draw_samples(fit, servo, amplitude_sigma, samples, seed)
-    shown, slope_shares = [], dict[Gait, Array]()
+    shown = []
     for count, gait in enumerate(asked_gaits, 1):
-        crawl = crawls.get(gait)
-        if crawl:
-            shares = [slope_doubts[run.number] for run in crawl.runs]
-            slope_shares[gait] = np.mean(shares, axis=0)
-        slope_sigma = float(slope_shares[gait].std()) if crawl and slope_text else 0.0
-        shown.append(_compared(drawn, gait, crawl, slope_sigma))
+        shown.append(_compared(session, drawn, gait, crawls.get(gait), seed))
         if progress is not None:
             progress(count / len(asked_gaits))
     shown.sort(key=lambda row: bool(row.too_fast))
     judged = [row for row in shown if row.judged]
     p_value, friction, amplitude = None, None, None
     if judged:
-        predicted = _predicted(judged, crawls, slope_shares)
+        predicted = _predicted(judged)
         p_value = predicted.p_value(seed)
         if p_value < DOUBTFUL:
-            pairs = [
-                (row.gait, crawls[row.gait].commanded if row.filmed else None) for row in judged
-            ]
+            pairs = [(g.gait, g.level_runs[0].commanded if g.filmed else None) for g in judged]
             friction, amplitude = best_factors(predicted, fit, pairs, servo, seed)
     verdict, text = _verdict(shown, judged, p_value, servo)
     too_fast = [
         too_fast_text(row.gait, servo, gait_name(row.gait)) for row in shown if row.too_fast
     ]
     words = [text, _explained(friction, amplitude), servo.remark if servo else "", *too_fast]
-    words += [*map(_joints_as_filmed, crawls.values()), slope_text]
+    words += [*map(_joints_as_filmed, crawls.values()), slope_in_words(session, fit)]
     return Comparison(
         session.setup.name,
         amplitude_sigma,
@@ -251,14 +246,12 @@ def compare(
     )
 
 
-def _predicted(
-    judged: Sequence[ComparedGait], crawls: dict[Gait, Crawls], slope_shares: dict[Gait, Array]
-) -> Predicted:
+def _predicted(judged: Sequence[ComparedGait]) -> Predicted:
     """Return the samples of the judged gaits' speeds beside what was measured of them."""
     drawn_m_s = np.stack([row.samples_m_s for row in judged], axis=2)
     servo_shares = drawn_m_s[2] / np.maximum(drawn_m_s[1], 1e-9)
-    measured = np.array([mean_speed(crawls[row.gait].runs) for row in judged])
-    slopes = np.stack([slope_shares[row.gait] for row in judged], axis=1)
+    slopes = np.stack([row.slope_shares for row in judged], axis=1)
+    measured = np.array([mean_speed(row.level_runs) for row in judged])
     return Predicted(drawn_m_s[1], servo_shares, slopes, *measured.T)
 
 
@@ -284,20 +277,28 @@ def _joints_as_filmed(crawl: Crawls) -> str:
 
 
 def _compared(
-    samples: Samples, gait: Gait, crawl: Crawls | None, slope_sigma: float
+    session: Session, samples: Samples, gait: Gait, crawl: Crawls | None, seed: int
 ) -> ComparedGait:
-    """Return a row; slope_sigma: relative error of the measured speed by a slope that was told."""
+    """Return a row."""
     band = predict(samples, gait, crawl.commanded if crawl and crawl.films else None)
-    measured: dict[str, Any] = {}
-    if crawl:
-        measured_m_s, sigma_m_s = mean_speed(crawl.runs)
-        measured = {
-            "runs": tuple(run.number for run in crawl.runs),
-            "measured_m_s": measured_m_s,
-            "sigma_m_s": math.hypot(sigma_m_s, slope_sigma * measured_m_s),
-            "residual_m_s": measured_m_s - band.exact_m_s,
-        } | _by_springs(samples.fit, gait)
-    return ComparedGait(**vars(band), **measured)
+    if crawl is None:
+        return ComparedGait(**vars(band))
+    servo = samples.kind and samples.kind.servo
+    pairs = [level_run(session, samples.fit, run, servo, seed) for run in crawl.runs]
+    runs, shares = zip(*pairs, strict=True)
+    slope_shares = np.mean(shares, axis=0)
+    slope_sigma = 0.0 if crawl.runs[0].way == "level" else float(slope_shares.std())
+    measured_m_s, sigma_m_s = mean_speed(runs)
+    return ComparedGait(
+        **vars(band),
+        level_runs=runs,
+        slope_shares=slope_shares,
+        runs=tuple(run.number for run in runs),
+        measured_m_s=measured_m_s,
+        sigma_m_s=math.hypot(sigma_m_s, slope_sigma * measured_m_s),
+        residual_m_s=measured_m_s - band.exact_m_s,
+        **_by_springs(samples.fit, gait),
+    )
 
 
 def _by_springs(fit: FrictionFit, gait: Gait) -> dict[str, float]:

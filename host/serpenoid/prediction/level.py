@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache, partial
-from typing import Any
 
 import numpy as np
 
@@ -31,29 +30,21 @@ NODES = 1.5 * np.eye(2)  # standard deviations of the slope along and across a c
 # and up to twice as far, its effect is taken as quadratic
 
 
-def level_session(
-    session: Session, fit: FrictionFit, servo: Servo | None = None, seed: int = 2005
-) -> tuple[Session, dict[int, Array], str]:
-    """Return the session with crawls there and back as on level ground, and what is left in doubt.
+def level_run(
+    session: Session, fit: FrictionFit, run: Crawl, servo: Servo | None = None, seed: int = 2005
+) -> tuple[Crawl, Array]:
+    """Return a crawl there or back as on level ground, any other as it is; and the slope's doubt.
 
-    servo: what moves the joints; None: they follow the gait. In doubt are for each crawl, by its
-    number, the speeds over these on samples of the slope, (SLOPES,). Last comes a sentence on the
-    slope, where pushes told it.
+    servo: what moves the joints; None: they follow the gait. The doubt is the speeds over this one
+    on samples of the slope, (SLOPES,).
     """
-    slope, unknown = floor_slope(session, fit.nuisances), floor_slope(session, {})
-    level, shares = dict[int, Any](), dict[int, Array]()
-    for run in session.kept_crawls:
-        if run.way == "level":
-            shares[run.number] = slope_shares(fit, run, servo, unknown, seed)
-            continue
-        share = slope_shares(fit, run, servo, slope, seed)
-        mean = float(share.mean())
-        shares[run.number] = share / mean
-        speed = run.speed_m_s / mean
-        sigma = math.hypot(run.speed_sigma_m_s / mean, MODEL_SIGMA * (1.0 - mean) * speed)
-        level[run.number] = replace(run, speed_m_s=speed, speed_sigma_m_s=sigma, way="level")
-    new_session = replace(session, readings=tuple(level.get(r.number, r) for r in session.readings))
-    return new_session, shares, _in_words(slope) if level else ""
+    if run.way == "level":
+        return run, slope_shares(fit, run, servo, floor_slope(session, {}), seed)
+    shares = slope_shares(fit, run, servo, floor_slope(session, fit.nuisances), seed)
+    mean = float(shares.mean())
+    speed = run.speed_m_s / mean
+    sigma = math.hypot(run.speed_sigma_m_s / mean, MODEL_SIGMA * (1.0 - mean) * speed)
+    return replace(run, speed_m_s=speed, speed_sigma_m_s=sigma, way="level"), shares / mean
 
 
 def floor_slope(session: Session, nuisances: Mapping[str, Estimate]) -> Slope:
@@ -137,14 +128,15 @@ def _crawl(
     return float(speeds_m_s.mean()), math.atan2(y[1] - y[0], x[1] - x[0])
 
 
-def _in_words(slope: Slope) -> str:
-    along, across = slope
-    sizes = [
-        f"{math.degrees(abs(angle.value)):.2f} ± {math.degrees(angle.sigma):.2f} deg"
-        for angle in slope
-    ]
-    ends = "there" if along.value >= 0 else "back", "left" if across.value >= 0 else "right"
+def slope_in_words(session: Session, fit: FrictionFit) -> str:
+    """Return by what the floor of crawls there and back slopes; "" where there are none."""
+    if all(run.way == "level" for run in session.kept_crawls):
+        return ""
+    along, across = (
+        f"{math.degrees(angle.value):.2f} ± {math.degrees(angle.sigma):.2f} deg"
+        for angle in floor_slope(session, fit.nuisances)
+    )
     return (
         "Crawls there and back are shown as they would be on level ground: the floor falls by "
-        f"{sizes[0]} towards {ends[0]}, and by {sizes[1]} to the {ends[1]} of the way there."
+        f"{along} on the way there, and by {across} to the left of it."
     )
