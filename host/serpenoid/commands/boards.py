@@ -112,11 +112,10 @@ def trim(port: str | None) -> None:
     import sys
 
     from ..robot.robot import RobotBoard
-    from ..robot.tools.trimming import UNATTENDED_S, Trimming, straighten
+    from ..robot.tools.trimming import UNATTENDED_S, trim_servos
 
     with RobotBoard(port, unattended_s=UNATTENDED_S) as robot:
-        straighten(robot)
-        Trimming(robot, say).obey_all(iter(sys.stdin.readline, ""))
+        trim_servos(robot, iter(sys.stdin.readline, ""), say)
 
 
 @command()

@@ -103,8 +103,7 @@ def take(folder: Path, setup: Setup, world: Truth) -> sn.Session:
         shutil.rmtree(folder)
     source, note = f"the virtual lab, seed {SEED}", "the demo's: no measurement"
     provenance = Provenance(kind="simulated", source=source, note=note)
-    laboratory = replace(setup.laboratory, surface="simulated")
-    create_session(folder, replace(setup, provenance=provenance, laboratory=laboratory))
+    create_session(folder, replace(setup, provenance=provenance))
     with Journal(folder) as journal, working("measuring"):
         return take_all(journal, SimulatedPerson(journal.session.setup, world, SEED))
 

@@ -75,6 +75,5 @@ def of_system(error: OSError) -> str:
     """Return what the system has against a file, as one line."""
     if error.strerror is None:
         return str(error)
-    name = error.filename if error.filename is not None else ""
-    name = os.fsdecode(name) if isinstance(name, (str, bytes)) else str(name)
-    return f"{shortened(name)}{': ' if name else ''}{error.strerror.lower()}"
+    name = error.filename if isinstance(error.filename, (str, bytes)) else ""
+    return ": ".join(filter(None, (shortened(os.fsdecode(name)), error.strerror.lower())))

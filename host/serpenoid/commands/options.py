@@ -241,18 +241,10 @@ def tell(result: Any, as_json: bool, verbose: bool, notes: Values) -> None:
     show_json(result.to_dict() | notes) if as_json else report.show(result, verbose=verbose)
 
 
-def finite(values: Any) -> Any:
-    """Return plain values with everything that is not finite as None, for strict JSON."""
-    if isinstance(values, dict):
-        return {key: finite(value) for key, value in values.items()}
-    if isinstance(values, (list, tuple)):
-        return [finite(value) for value in values]
-    return None if isinstance(values, float) and not math.isfinite(values) else values
-
-
 def show_json(values: Values, path: Path | None = None) -> None:
     """Print strict JSON, or write it into a file; what is not finite becomes null."""
-    text = json.dumps(finite(values), indent=2, allow_nan=False)
+    values = json.loads(json.dumps(values), parse_constant=lambda _: None)
+    text = json.dumps(values, indent=2)
     say(text) if path is None else write_text(path, text + "\n")
 
 

@@ -320,9 +320,7 @@ def optimize(
     best = replace(best, steady=warn_of_two_motions(best.steady))
     expected = busy("servos", lambda share: expect(snake, best.steady, kind, share))
     if as_json:
-        names = {"gait", "cost_w", "losses"}
-        ideal_values = paper and {k: v for k, v in _as_dict(paper).items() if k in names}
-        values = _as_dict(best) | best.steady.to_dict() | {"ideal": ideal_values}
+        values = _as_dict(best) | best.steady.to_dict() | {"ideal": paper and _as_dict(paper)}
         return show_json(values | expected.to_dict() | snake.notes)
     report.warn(best.losses.warning)
     words = f"{best.in_words()} {expected.in_words()}"
