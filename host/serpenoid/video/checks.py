@@ -18,23 +18,15 @@ from ..model.gait import Gait
 from .arrays import Array
 from .instrument import HELD_SHARE, Measured, held_joints
 from .made_gait import gait_doubt, measured_gait
-from .motion import LEAST_PERIODS
 from .result import FilmedRun, Remark
 from .seeing.watch import Watched
 
-LEAST_FRAMES = 10
 SURELY = 4.0  # Standard deviations beyond which the floor has moved.
-MOVED_WARN, MOVED_REFUSE = 0.015, 0.06  # Shifts of the floor, in sides of a tag.
-SIDE_REFUSE = 0.08  # Relative difference of a tag's side between the links' scale and the print.
-STRANGER_SHARE = 0.2  # Share of the frames with a tag of no link: another robot.
-STRAY_SHARE = 0.04  # Share of the frames: 1 in 50 that looks like a tag is a pattern of the floor.
-SMALL_TAG_PX = 20.0
+MOVED_REFUSE = 0.06  # Largest shift of the floor, in sides of a tag.
 BLUR_CELLS, BLUR_PX = 0.2, 1.0  # Width of an edge, in cells of the tag, and at least.
 # Films of 1/30 s of exposure, 25 ms of readout, 48 degrees aslant: errors over sigmas, rms.
 BLURRED = 2.5
-APART = 1.6  # Longest distance from a tag to the next one, over the shortest such distance.
 CENTRE_RAD = math.radians(1.0)  # Error of a joint's centre from which a trim is worth it.
-STILL_RAD = math.radians(1.0)  # Amplitude of the joints below which nothing crawls.
 PHASE_RAD = math.radians(45.0)  # Lag behind the other joints that no servo has.
 
 
@@ -52,14 +44,14 @@ class Check:
     measure: Callable[[Any], float]
     words: Callable[[Any, float], str]
     refuse: float = math.inf
-    warn: float = 0.0
+    warn: float = math.inf
 
 
 def run_checks(stage: str, subject: Any) -> list[Remark]:
     """Return what there is to remark at a stage; raise BadInput with the first refusal's words."""
     remarks = []
     for check in CHECKS:
-        value = float(check.measure(subject)) if check.stage == stage else 0.0
+        value = float(check.measure(subject)) if check.stage == stage else -math.inf
         if value > check.refuse:
             raise BadInput(check.words(subject, value))
         if value > check.warn:
@@ -98,11 +90,6 @@ def blur_factor(w: Watched) -> float:
 def _edge_cells(w: Watched) -> float:
     """Return the widest edges, in cells of a tag: of one frame in ten."""
     return float(np.nanquantile(w.edge_px / (w.sightings.side_px / 6), 0.9))
-
-
-def _slow_motion(w: Watched) -> bool:
-    capture = w.film.capture
-    return capture is not None and (capture.stated or capture.time_scale != 1.0)
 
 
 def _steps(centres: Array) -> Any:
@@ -173,35 +160,36 @@ CHECKS = (
         lambda w, _: f"shows tag {w.strangers.most_common(1)[0][0] + 1}, but the robot has "
         f"{w.sightings.links} links: another robot? If it is this one, give its number of links "
         "with --set links=...",
-        STRANGER_SHARE,
-        STRANGER_SHARE,
+        refuse=0.2,  # share of the frames
     ),
     Check(
-        "seen", "no tags", lambda w: w.sightings.visible.any(axis=1).mean() <= STRAY_SHARE,
+        "seen", "no tags", lambda w: 1 - w.sightings.visible.any(axis=1).mean(),
         lambda w, _: f"no tag is seen in {len(w.sightings.t_s)} frames; print ours with `serpenoid "
         "video tags`, with their white rim, at least 25 px a side in the film. AprilTags, other "
         "ArUco tags, the mirrored pictures of selfie cameras, and numbers that are seen twice in a "
         "picture do not count",
-        refuse=0,
+        refuse=0.96,  # share of the frames: 1 in 50 that looks like a tag is a pattern of the floor
     ),
     Check(
-        "seen", "few frames", lambda w: LEAST_FRAMES - (w.sightings.visible.sum(axis=1) > 1).sum(),
-        lambda w, lack: f"only {LEAST_FRAMES - lack:.0f} of {len(w.sightings.t_s)} frames show two "
-        f"tags or more, {LEAST_FRAMES} are needed; film two periods or more, go nearer, add light, "
-        "and keep the whole robot in the picture",
-        refuse=0,
+        "seen", "few frames", lambda w: -(w.sightings.visible.sum(axis=1) > 1).sum(),
+        lambda w, value: f"only {-value:.0f} of {len(w.sightings.t_s)} frames show two tags or "
+        "more, 10 are needed; film two periods or more, go nearer, add light, and keep the whole "
+        "robot in the picture",
+        refuse=-10,
     ),
-    Check("seen", "camera", _camera_moved, _camera_words, MOVED_REFUSE, MOVED_WARN),
+    Check("seen", "camera", _camera_moved, _camera_words, MOVED_REFUSE, warn=0.015),
     Check(
         "seen", "floor", lambda w: w.plain_floor,
         lambda w, _: "the floor shows too little to check the camera, whether it stood still; lay "
         "something printed beside the track, or add light",
+        warn=0,
     ),
     Check(
-        "seen", "small", lambda w: SMALL_TAG_PX - _side_px(w),
-        lambda w, lack: f"the tags are {SMALL_TAG_PX - lack:.0f} px wide; 33 px or more give the "
-        "figures that are promised: go nearer or print larger. σ of phases and rate are up to 1.7 "
-        "times too narrow",
+        "seen", "small", lambda w: -_side_px(w),
+        lambda w, value: f"the tags are {-value:.0f} px wide; 33 px or more give the figures that "
+        "are promised: go nearer or print larger. σ of phases and rate are up to 1.7 times too "
+        "narrow",
+        warn=-20,
     ),
     Check(
         "seen", "blur", blur_factor,
@@ -209,13 +197,17 @@ CHECKS = (
         f"add light or shorten the exposure; all σ are taken {factor:g} times as wide",
         warn=1,
     ),
-    Check("seen", "slow motion", _slow_motion, lambda w, _: w.film.capture.in_words()),
+    Check(
+        "seen", "slow motion",
+        lambda w: bool(w.film.capture) and (w.film.capture.stated or w.film.time_scale != 1.0),
+        lambda w, _: w.film.capture.in_words(),
+        warn=0,
+    ),
     Check(
         "placed", "order", lambda centres: _steps(centres).max() / _steps(centres).min(),
         lambda centres, _: f"tag {_steps(centres).argmax() + 1} and the next one are no "
         "neighbours; number 1 belongs on the tail, then 2, 3, ...: put them on anew",
-        APART,
-        APART,
+        refuse=1.6,  # longest distance from a tag to the next one, over the shortest
     ),
     Check(
         "fitted", "scale", lambda b: b.scale_off,
@@ -223,30 +215,30 @@ CHECKS = (
         f"{1e3 * b.camera.side_m:.1f} mm wide, not {1e3 * b.side_m:.1f} mm: either the links have "
         "another length or the print another scale; measure both, and give --set link_length_m=... "
         f"or --tag-mm. Until then σ of all lengths and speeds holds these {excess:.1%}; more than "
-        f"{SIDE_REFUSE:.0%} is refused",
-        SIDE_REFUSE,
+        "8 % is refused",
+        refuse=0.08,
+        warn=0,
     ),
     Check(
         "followed", "hidden joint", lambda track: 1 - held_joints(track).mean(axis=0).min(),
         lambda track, hidden: f"joint {held_joints(track).mean(axis=0).argmin() + 1} can be "
         f"measured in {1 - hidden:.0%} of the frames: a tag beside it is hidden or out of the "
         f"picture. {HELD_SHARE:.0%} are needed; keep the whole robot in the picture",
-        1 - HELD_SHARE,
-        1 - HELD_SHARE,
+        refuse=1 - HELD_SHARE,
     ),
     Check(
-        "moved", "still", lambda m: STILL_RAD - m.motion.amplitude_rad.max(),
+        "moved", "still", lambda m: -m.motion.amplitude_rad.max(),
         lambda m, _: "no joint moves by more than 1°: the robot does not crawl, or its servos have "
         "no power",
-        refuse=0,
+        refuse=-math.radians(1),
     ),
     Check(
         "moved", "periods",
-        lambda m: LEAST_PERIODS - m.motion.omega_rad_s * float(np.ptp(m.track.t_s)) / math.tau,
-        lambda m, lack: f"shows {LEAST_PERIODS - lack:.2f} periods of "
-        f"{math.tau / m.motion.omega_rad_s:.2g} s; at least {LEAST_PERIODS:g} are needed, "
-        "two or more are better: film longer",
-        refuse=0,
+        lambda m: -m.motion.omega_rad_s * np.ptp(m.track.t_s) / math.tau,
+        lambda m, value: f"shows {-value:.2f} periods of "
+        f"{math.tau / m.motion.omega_rad_s:.2g} s; at least 1.5 are needed, two or more are "
+        "better: film longer",
+        refuse=-1.5,
     ),
     Check(
         "moved", "no sine",
@@ -258,5 +250,5 @@ CHECKS = (
     ),
     Check("servos", "phase", lambda f: np.abs(_lags(f)).max(), _lag_words, warn=PHASE_RAD),
     Check("servos", "centre", lambda f: _centres(f)[1].max(), _centre_words, warn=1),
-    Check("servos", "gait", lambda f: gait_doubt(*f) != "", lambda f, _: gait_doubt(*f)),
+    Check("servos", "gait", lambda f: gait_doubt(*f) != "", lambda f, _: gait_doubt(*f), warn=0),
 )  # fmt: skip

@@ -19,18 +19,7 @@ from .fitting.frames import Track
 from .motion import Motion, fit_motion, mean_variance, path_basis, sine_covariance
 from .seeing.sightings import Sightings
 
-# Below these no phone was ever held against a rule: the lens is not the two terms of the model.
-STEP = 0.3  # of a standard deviation: the differences by which the camera's doubt is carried on
-FLOOR_SPEED, FLOOR_ANGLE_RAD, FLOOR_TURN_RAD_S = 1.5e-4, np.radians(0.03), np.radians(0.003)
-LATE_PHASE = 0.02  # share of the readout's phase that rows along the travel leave (rendered films)
-LATE_SPEED = 0.2  # and of what the readout does to the speed of a robot that goes along the rows
-LATE_RATE = 0.05  # and to its rate
-FLOOR_OFFSET_RAD = np.radians(0.01)  # a centre is a mean: it has no share of what moves
-# A codec draws each picture on the one before, and takes a little of the motion: amplitudes come
-# out low (rendered films coded at crf 20; not coded at crf 1). By .07 % for tags of 28 px, .14 % of
-# 20 px, .17 % of 15 px: what is lost in pixels grows as tags get small beside the codec's blocks,
-# and the angle is that over the tag's side.
-FLOOR_AMPLITUDE, FLOOR_AMPLITUDE_RAD, CODED_PX = 6e-4, np.radians(0.02), 28.0
+STEP = 0.3  # Difference, in standard deviations, by which the camera's doubt is carried on.
 
 
 def number_sigmas(
@@ -54,20 +43,26 @@ def number_sigmas(
     delay = readout_s * motion.omega_rad_s * 0.5 * (rows[1:] + rows[:-1])
     first, last = bundle.camera.plane_px(sample.states[[0, -1], :2])[:, 1] / height
     delay_rad, sweep = np.ma.filled(delay, 0.0), readout_s * (last - first) / np.ptp(sample.t_s)
-    coded = max(1.0, (CODED_PX / float(np.nanmedian(sightings.side_px))) ** 2)
+    # A codec draws each picture on the one before, and takes a little of the motion: amplitudes
+    # come out low (rendered films coded at crf 20; not coded at crf 1). By .07 % for tags of 28 px,
+    # .14 % of 20 px, .17 % of 15 px: what is lost in pixels grows as tags get small beside the
+    # codec's blocks, and the angle is that over the tag's side.
+    coded = max(1.0, (28.0 / float(np.nanmedian(sightings.side_px))) ** 2)
+    # No phone was ever held against a rule: the lens is not the two terms of the model. Of the
+    # readout's sweep rendered films leave .05 in the rate and .2 in the speed.
     floor = [
-        [LATE_RATE * sweep * motion.omega_rad_s],
-        coded * np.hypot(FLOOR_AMPLITUDE_RAD, FLOOR_AMPLITUDE * amplitude),
-        np.full(count - 1, FLOOR_ANGLE_RAD),
-        np.full(count, FLOOR_OFFSET_RAD),
-        [FLOOR_ANGLE_RAD, np.hypot(FLOOR_SPEED, LATE_SPEED * sweep) * motion.speed_m_s],
-        [FLOOR_TURN_RAD_S],
+        [0.05 * sweep * motion.omega_rad_s],
+        coded * np.hypot(np.radians(0.02), 6e-4 * amplitude),
+        np.full(count - 1, np.radians(0.03)),
+        np.full(count, np.radians(0.01)),  # A centre is a mean: it has no share of what moves.
+        [np.radians(0.03), np.hypot(1.5e-4, 0.2 * sweep) * motion.speed_m_s, np.radians(0.003)],
     ]
     camera = _of_camera(bundle, sample, motion, picked)
     sigmas = np.sqrt(_of_pixels(motion) ** 2 + camera**2 + np.concatenate(floor) ** 2)
-    # What a slow readout and missing tags leave, of amplitudes and phases.
+    # What a slow readout and missing tags leave, of amplitudes and phases: .02 of the readout's
+    # phase is left by rows along the travel (rendered films).
     phase_shares = np.minimum(joint_shares[1:], joint_shares[0])
-    lags = [0.5 * delay_rad**2 * amplitude, LATE_PHASE * (delay_rad[1:] - delay_rad[0])]
+    lags = [0.5 * delay_rad**2 * amplitude, 0.02 * (delay_rad[1:] - delay_rad[0])]
     joints = slice(1, 2 * count)
     sigmas[joints] = np.hypot(sigmas[joints], np.concatenate(lags))
     sigmas[joints] /= np.maximum(np.concatenate([joint_shares, phase_shares]), 0.1)

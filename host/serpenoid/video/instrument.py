@@ -15,13 +15,9 @@ from .fitting.chain import filled_headings, joint_angles
 from .motion import Motion, fit_motion
 from .seeing.sightings import Sightings
 
-CALIBRATION_FRAMES = 120
-ROUGH_FRAMES, ROUGH_STEPS = 30, 15  # for the choice between starts
-EXPECTED_SIGMA_RAD = np.radians(15.0)  # of a link that no tag holds, from its neighbours in time
-SENSITIVE_FRAMES = 2000  # at most, for how the track follows the camera
-KNOWN_RAD = np.radians(2.0)  # how well a joint's own sine says where a hidden link points
-HELD_SHARE = 0.15  # of the frames: a joint that is held less has no sine to be fitted
-HELD_RAD = np.radians(1.5)  # a joint known worse than this in a frame says nothing there
+EXPECTED_SIGMA_RAD = np.radians(15.0)  # Sigma of a link without tag, from its neighbours in time.
+KNOWN_RAD = np.radians(2.0)  # Sigma of a hidden link's heading by its joints' own sines.
+HELD_SHARE = 0.15  # Share of the frames: a joint that is held less has no sine to be fitted.
 
 
 @dataclass(frozen=True)
@@ -47,15 +43,15 @@ def calibrate(
     rigid: the joints do not move. Errors of edges then repeat from frame to frame, so that lens and
     scale are held to what is known before (`rough`).
     """
-    sample = sightings.picked(_spread(sightings, ROUGH_FRAMES))
+    sample = sightings.picked(_spread(sightings, 30))
     rough = []
     for plane in starts:
         turns = start.quarter_turns(*start.tag_poses(plane, sample))
         camera = plane.with_turns(turns)
         states = start.first_states(camera, sample, turns)
-        rough.append(bundles.fit(camera, states, sample, side_m, turns, ROUGH_STEPS, rough=True))
+        rough.append(bundles.fit(camera, states, sample, side_m, turns, steps=15, rough=True))
     best = min(rough, key=lambda trial: trial.cost)
-    picked = sightings.picked(_spread(sightings, CALIBRATION_FRAMES))
+    picked = sightings.picked(_spread(sightings, 120))
     states = start.first_states(best.camera, picked, best.turns)
     return bundles.fit(best.camera, states, picked, side_m, best.turns, rough=rigid)
 
@@ -102,7 +98,7 @@ def measure(fit: bundles.Bundle, tagged: Sightings, track: frames.Track) -> Meas
         phi, loose_rad = joint_angles(track.states) - motion.joint_residual_rad, KNOWN_RAD
         track = fill_hidden(fit, tagged, track, phi)
         motion = fit_motion(track, *_weights(track))
-    picked = np.arange(0, len(track.t_s), 1 + len(track.t_s) // SENSITIVE_FRAMES)
+    picked = np.arange(0, len(track.t_s), 1 + len(track.t_s) // 2000)
     sample = tagged.picked(picked), track.states[picked], loose_rad
     sensitive = frames.fit_states(fit, *sample, sensitive=True)
     joint_mask = held_joints(track)
@@ -117,6 +113,6 @@ def _weights(track: frames.Track) -> tuple[Array, Array]:
     missing = np.isnan(track.rest_px)
     pair = np.pad(missing[:, 1:] & missing[:, :-1], ((0, 0), (1, 1)))
     ambiguous = pair[:, :-2] | pair[:, 1:-1] | pair[:, 2:]
-    joint_mask = (joints < HELD_RAD**2) & ~ambiguous
+    joint_mask = (joints < np.radians(1.5) ** 2) & ~ambiguous
     weight = np.where(joint_mask, np.median(joints) / joints, 0.0)
     return np.minimum(weight, 2.0), np.minimum(np.median(place) / place, 2.0)

@@ -15,12 +15,10 @@ from ..model.gait import Gait, gait_name
 from .arrays import Array
 from .result import FilmedRun, FilmMeasurement, track_rows
 
-RATE_FLAG = 0.02  # relative difference from the commanded rate that is worth a remark
-LEAST_GAIN = 0.5  # of amplitudes: no servo loses more
-ALIKE_SHARE = 0.15  # of two gaits: amplitudes, relative, and half of it in phase lags, rad
-SLOW_MOTION = 1.5  # commanded rate over the filmed one; no robot lags behind its gait so much
-WHOLE_TOLERANCE = 0.03  # relative distance from a whole number of a phone's slow motion
-STEPS_RAD = np.radians(np.arange(-180.0, 180.0, 0.5))  # phase lags that are tried
+LEAST_GAIN = 0.5  # Share of the amplitude that every servo keeps.
+ALIKE_SHARE = 0.15  # Relative difference of two gaits' amplitudes; phase lags: twice that, rad.
+SLOW_MOTION = 1.5  # Commanded rate over the filmed one; no robot lags behind its gait so much.
+WHOLE_TOLERANCE = 0.03  # Relative distance of a phone's slow motion from a whole number.
 
 
 def measured_gait(run: FilmedRun, gait: Gait | None) -> Gait:
@@ -30,7 +28,7 @@ def measured_gait(run: FilmedRun, gait: Gait | None) -> Gait:
     """
     amplitude, phase, offset = columns(run.joints, "amplitude_rad", "phase_rad", "offset_rad")
     alpha = gait.alpha_rad if gait else float(amplitude.mean())
-    steps = np.array([gait.beta_rad]) if gait else STEPS_RAD
+    steps = np.array([gait.beta_rad]) if gait else np.radians(np.arange(-180.0, 180.0, 0.5))
     phasors = np.exp(1j * (phase - steps[:, None] * np.arange(len(phase))))
     shifts = np.angle(phasors / np.exp(1j * np.angle(phasors.mean(axis=1, keepdims=True))))
     best = int(np.mean(shifts**2, axis=1).argmin())
@@ -54,7 +52,7 @@ def gait_doubt(run: FilmedRun, stated: Gait | None, planned: Sequence[Gait] = ()
         ratio = gait.omega_rad_s / run.omega_rad_s
         same_bend = LEAST_GAIN <= filmed.alpha_rad / max(gait.alpha_rad, 1e-9) <= 1.0 + ALIKE_SHARE
         same_lag = abs(math.remainder(filmed.beta_rad - gait.beta_rad, math.tau)) <= 2 * ALIKE_SHARE
-        same_rate = abs(ratio - 1.0) <= max(RATE_FLAG, 4 * run.omega_sigma_rad_s / run.omega_rad_s)
+        same_rate = abs(ratio - 1.0) <= max(0.02, 4 * run.omega_sigma_rad_s / run.omega_rad_s)
         slow = ratio > SLOW_MOTION and abs(ratio / round(ratio) - 1.0) < WHOLE_TOLERANCE
         words = f"the film shows the gait {gait_name(filmed)}"
         if same_bend and same_lag and slow:

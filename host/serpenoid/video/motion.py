@@ -16,9 +16,7 @@ from .arrays import Array, Complex
 from .fitting.chain import joint_angles, mean_heading, wrapped
 from .fitting.frames import Track
 
-LEAST_PERIODS = 1.5
-STRAIGHT_RAD = 1e-9  # a turn over the film that is none: its formula divides by it
-HIGHEST_RAD_S = 40.0  # Rate up to which a gait is searched for: 6.4 Hz, beyond any hobby servo.
+STRAIGHT_RAD = 1e-9  # Turn over the film below which it is none: its formula divides by it.
 
 
 @dataclass(frozen=True)
@@ -77,7 +75,8 @@ class Motion:
 def first_rate(t_s: Array, phi: Array, weight: Array) -> float:
     """Return the rate at which one sine explains most of the joints, rad/s; 0 for none."""
     unit = 2 * np.pi / (t_s[-1] - t_s[0])
-    high = min(HIGHEST_RAD_S, 0.9 * np.pi / float(np.median(np.diff(t_s))))
+    # A rate of 40 rad/s, 6.4 Hz, is beyond any hobby servo.
+    high = min(40.0, 0.9 * np.pi / float(np.median(np.diff(t_s))))
     rates = np.arange(0.6 * unit, high, 0.1 * unit)
     explained = []
     for rate in rates:

@@ -18,9 +18,6 @@ from .instrument import fill_hidden, follow
 from .measure_film import refusals, seen_film
 from .result import Remark
 
-STILL_RAD = math.radians(3.0)  # joints that move by more are driven, or loose
-PLACE_M = 0.003  # a frame whose place is known worse says nothing: a hand hides the tags
-
 
 @dataclass(frozen=True)
 class PushedRobot:
@@ -76,7 +73,8 @@ def track_pushes(
         # A hidden link stands to its neighbours as it always does.
         phi = still_joints(joint_angles(track.states), tagged.visible)
         track = fill_hidden(fit, tagged, track, phi)
-        clear = track.place_variance < PLACE_M**2
+        # A frame whose place is known to more than 3 mm says nothing: a hand hides the tags.
+        clear = track.place_variance < 0.003**2
         rows = np.column_stack([track.t_s, track.states[:, :2]])[clear]
         if len(rows) <= 1:
             raise BadInput("no frame shows where the robot is; are the tags hidden?")
@@ -93,7 +91,7 @@ def still_joints(phi: Array, visible: Mask) -> Array:
     angle = np.ma.array(phi, mask=~(visible[:, 1:] & visible[:, :-1]))
     held_rad = np.ma.filled(np.ma.median(angle, axis=0), 0.0)
     moved_rad = 1.4826 * np.ma.filled(np.ma.median(abs(angle - held_rad), axis=0), 0.0)
-    for i in np.flatnonzero(moved_rad > STILL_RAD):
+    for i in np.flatnonzero(moved_rad > np.radians(3.0)):
         raise BadInput(
             f"joint {i + 1} moves by {math.degrees(moved_rad[i]):.0f}° in this film: a push needs "
             "joints that hold still, and one bend a film; a crawl is measured by `serpenoid "

@@ -56,8 +56,6 @@ class FilmedRun(Result):
     scale_sigma: relative, of all lengths, and part of the speed's: how far links and tags disagree.
     """
 
-    links: int
-    link_length_m: float
     speed_m_s: float
     speed_sigma_m_s: float
     direction_rad: float
@@ -69,7 +67,6 @@ class FilmedRun(Result):
     path_m: float
     periods: float
     joints: tuple[Joint, ...]
-    tags_seen: tuple[float, ...]
     residual_px: float
     time_scale: float
     camera: dict[str, Any]
@@ -92,13 +89,9 @@ class FilmedRun(Result):
         """Return direction, turn, rate, and what the file's times were multiplied with."""
         degrees, hertz = 180 / math.pi, 0.5 / math.pi
         direction, turn = degrees * self.direction_rad, degrees * self.turn_rad_s
+        direction_sigma = degrees * self.direction_sigma_rad
         rows = [
-            Row(
-                "direction, from where the links point",
-                "deg",
-                direction,
-                sigma=degrees * self.direction_sigma_rad,
-            ),
+            Row("direction, from where the links point", "deg", direction, sigma=direction_sigma),
             Row("turn", "deg/s", turn, sigma=degrees * self.turn_sigma_rad_s),
             Row("rate", "Hz", hertz * self.omega_rad_s, sigma=hertz * self.omega_sigma_rad_s),
         ]
@@ -124,8 +117,6 @@ def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> Filme
     camera = bundle.camera
     rms_px = float(np.sqrt(np.nanmean(measured.track.rest_px**2)))
     return FilmedRun(
-        links=camera.links,
-        link_length_m=camera.link_m,
         speed_m_s=m.speed_m_s,
         speed_sigma_m_s=speed_sigma,
         direction_rad=m.direction_rad,
@@ -137,7 +128,6 @@ def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> Filme
         path_m=m.speed_m_s * span_s,
         periods=m.omega_rad_s * span_s / (2 * np.pi),
         joints=_joints(measured, joint_sigmas),
-        tags_seen=tuple(watched.sightings.visible.mean(axis=0).tolist()),
         residual_px=rms_px,
         time_scale=time_scale * film.time_scale,
         camera={

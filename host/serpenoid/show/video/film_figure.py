@@ -60,10 +60,9 @@ def show_film(measured: FilmMeasurement) -> None:
     film, camera = run.film, run.camera
     console.print(
         f"{film['frames']} frames of {film['width_px']} x {film['height_px']} px, "
-        f"{film['duration_s']:.2f} s; tags seen in {min(run.tags_seen):.1%} of them or more; "
-        f"residuals {run.residual_px:.2f} px; "
-        f"links of {1e3 * run.link_length_m:.1f} mm give tags of "
-        f"{1e3 * camera['tag_side_m']:.1f} mm, printed {1e3 * camera['printed_side_m']:.1f} mm",
+        f"{film['duration_s']:.2f} s; residuals {run.residual_px:.2f} px; tags of "
+        f"{1e3 * camera['tag_side_m']:.1f} mm by the links' length, "
+        f"{1e3 * camera['printed_side_m']:.1f} mm as printed",
         soft_wrap=True,
     )
     for remark in run.remarks:

@@ -15,24 +15,20 @@ from ..arrays import Array
 from ..seeing.sightings import Sightings
 from .camera import LENS, MOUNTING, Camera
 
-STEPS = 40
-SETTLED_DAMPING, LOST_DAMPING = 1e-6, 1e6  # of a step: the fit is found, or lost
-SCALED_LINKS = 3  # with two joints a link tells its length
-OUTLIER = 3.0  # in sigmas: a tag's residual from which its weight falls
-NOISE_PX = 0.3  # of a corner, until the residuals tell
-PLAIN = 0.05  # a rough fit holds distortion and principal point by so much of their sigmas
-PRINTED = 0.01  # how well the side of a printed tag is known, a rule held against the sheet
-SIDE_ALIKE = 0.025  # of a tag's side beside the links, relative: prints and tags put on askew
-# What is known before any film: sigma of focal length (log), k1, k2, principal point (of the
-# longer side), tilts, distance (log), the tag's printed side (log), readout (s).
-LENS_SIGMA = np.array([0.5, 0.1, 0.04, 0.01, 0.01, 10.0, 10.0, 10.0, PRINTED, 0.012])
-# Of a tag that a person puts on: place m, turn rad, height m, slopes.
+SETTLED_DAMPING, LOST_DAMPING = 1e-6, 1e6  # Damping of a step: the fit is found, or lost.
+SCALED_LINKS = 3  # Fewest links, of which one has two joints and so tells its length.
+OUTLIER = 3.0  # Residual of a tag, in sigmas, from which its weight falls.
+SIDE_ALIKE = 0.025  # Relative difference of a tag's side from the links' scale: tags put on askew.
+# Sigmas before any film: focal length (log), k1, k2, principal point (of the longer side), tilts,
+# distance (log), the tag's printed side (log; a rule is held against the sheet), readout (s).
+LENS_SIGMA = np.array([0.5, 0.1, 0.04, 0.01, 0.01, 10.0, 10.0, 10.0, 0.01, 0.012])
+# Sigmas of a tag that a person puts on: place m, turn rad, height m, slopes.
 MOUNTING_SIGMA = np.array([0.005, 0.005, np.radians(2.0), 0.002, 0.03, 0.03])
-# A frame's own state is free, but for what keeps it from running away where no tag holds it.
-# Errors of edges follow the tags' angle and place, so that frames are not independent: by so much
-# their scatter is too small (found by films of known truth).
+# Factor of the frames' scatter. Errors of edges follow the tags' angle and place, so that frames
+# are not independent (found by films of known truth).
 SLOW = 2.0
 READOUT = LENS.index("readout_s")
+# Weight that keeps a frame's own state, else free, from running away where no tag holds it.
 LOOSE_PER_RAD = 1.0 / np.radians(30.0)
 
 
@@ -68,7 +64,7 @@ def fit(
     sightings: Sightings,
     side_m: float,
     turns: Array,
-    steps: int = STEPS,
+    steps: int = 40,
     rough: bool = False,
 ) -> Bundle:
     """Fit camera and states to the sightings.
@@ -82,8 +78,8 @@ def fit(
     prior_mean[len(LENS) + 2 :: len(MOUNTING)] = turns
     sigma = np.concatenate([LENS_SIGMA, np.tile(MOUNTING_SIGMA, camera.links)])
     if rough:
-        sigma[1:5] *= PLAIN
-    point = _Point(sightings, states, prior_mean, sigma, camera, states, NOISE_PX)
+        sigma[1:5] *= 0.05  # distortion and principal point
+    point = _Point(sightings, states, prior_mean, sigma, camera, states, noise_px=0.3)
     damping, cost = 1e-3, point.cost()
     for _ in range(steps):
         trial = point.moved(damping)

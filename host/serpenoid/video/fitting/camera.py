@@ -32,8 +32,7 @@ LENS = (
 )
 MOUNTING = ("dx_m", "dy_m", "turn_rad", "height_m", "slope_x", "slope_y")
 CORNERS = 0.5 * np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
-STEP = 1e-6  # of an unknown, for the pixels' derivatives by differences
-LOOKING_DOWN = np.array([1.0, -1.0, -1.0])  # of a camera that is not tilted
+STEP = 1e-6  # Step of an unknown, for the pixels' derivatives by differences.
 
 
 @dataclass(frozen=True)
@@ -65,7 +64,7 @@ class Camera:
     def pose(self) -> tuple[Array, float]:
         """Return R, world to camera, and the distance D to the plane along the axis, m."""
         tilted = Rotation.from_rotvec([*self.shared[5:7], 0.0]).as_matrix()
-        return tilted * LOOKING_DOWN, float(np.exp(self.shared[7]))
+        return tilted * [1.0, -1.0, -1.0], float(np.exp(self.shared[7]))
 
     @property
     def side_m(self) -> float:

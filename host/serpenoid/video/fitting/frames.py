@@ -10,7 +10,6 @@ from ..arrays import Array
 from ..seeing.sightings import Sightings
 from .bundle import Bundle, equations, misses, rms
 
-STEPS = 6
 CHUNK = 400  # Frames that are fitted at once: memory stays small for long films.
 
 
@@ -52,7 +51,7 @@ def fit_states(
         cut = slice(first, first + CHUNK)
         s, states = sightings.picked(cut), expected[cut]
         step = np.zeros_like(states)
-        for _ in range(1 + STEPS):
+        for _ in range(7):
             states = states + step
             a, residual = equations(camera, states, s, fit.noise_px)
             matrix = a.transpose(0, 2, 1) @ a + np.diag(prior_weight)

@@ -12,10 +12,7 @@ from ..seeing.sightings import Sightings
 from .camera import LENS, MOUNTING, Camera
 from .chain import filled_headings, link_centres
 
-FOCALS = (0.6, 0.75, 0.95, 1.3, 2.0)  # of the image's longer side: wide angle to telephoto
-TILTS_RAD = np.radians([0, 8, 16, 24, 32, 40, 48, 56, 64, 72])
-DIRECTIONS = 16
-SAMPLE = 200  # tags that are looked at
+FOCALS = (0.6, 0.75, 0.95, 1.3, 2.0)  # Focal lengths over the picture's longer side.
 
 
 def first_cameras(sightings: Sightings, link_m: float, side_m: float) -> list[Camera]:
@@ -25,10 +22,12 @@ def first_cameras(sightings: Sightings, link_m: float, side_m: float) -> list[Ca
     squares look nearly the same from both sides.
     """
     frame, link = np.nonzero(sightings.visible)
-    sample = slice(None, None, max(1, len(frame) // SAMPLE))
+    sample = slice(None, None, max(1, len(frame) // 200))
     corners = sightings.corners_px[frame[sample], link[sample]].astype(float)
-    around = np.arange(DIRECTIONS) * 2 * np.pi / DIRECTIONS
-    tilts = TILTS_RAD[1:, None, None] * np.stack([np.cos(around), np.sin(around)], axis=-1)
+    around = np.arange(16) * np.pi / 8
+    tilts = np.radians(np.arange(8, 73, 8))[:, None, None] * np.stack(
+        [np.cos(around), np.sin(around)], axis=-1
+    )
     candidates = []
     for focal, tilt in product(FOCALS, [np.zeros(2), *tilts.reshape(-1, 2)]):
         shared = np.zeros(len(LENS) + len(MOUNTING) * sightings.links)
@@ -66,9 +65,7 @@ def quarter_turns(centres: Array, headings: Array) -> Array:
 
     A link points from the tag before it to the tag after it, in the mean over the film.
     """
-    first, last = centres[:, :1], centres[:, -1:]
-    next_tag, last_tag = np.hstack([centres[:, 1:], last]), np.hstack([first, centres[:, :-1]])
-    directions = next_tag - last_tag
+    directions = np.gradient(centres, axis=1)
     turns = np.exp(1j * (np.arctan2(directions[..., 1], directions[..., 0]) - headings))
     mean = np.angle(np.nan_to_num(turns).sum(axis=0))
     return -np.round(mean / (np.pi / 2)) * np.pi / 2

@@ -8,11 +8,10 @@ import numpy as np
 
 from ..arrays import Grey
 
-EVERY_S = 0.5
-MOST_POINTS, LEAST_POINTS = 150, 12
-PATCH_PX = 21
-NEAR_PX = 2 * PATCH_PX + 1
-REACH_PX = 1.0  # a point that is so far off the floor's common motion is somebody's foot
+EVERY_S = 0.5  # Time between looks.
+LEAST_POINTS = 12
+PATCH_PX = 21  # Side of the patch round a point that is followed.
+REACH_PX = 1.0  # Distance from the floor's common motion beyond which a point is somebody's foot.
 
 
 class Background:
@@ -37,7 +36,7 @@ class Background:
         pixels = np.ascontiguousarray(picture)
         self._first = _even(pixels)
         self._points: Any = cv2.goodFeaturesToTrack(  # (points, 1, 2) float32
-            pixels, MOST_POINTS, 0.02, PATCH_PX, mask=free, blockSize=7
+            pixels, 150, 0.02, PATCH_PX, mask=free, blockSize=7
         )
 
     @property
@@ -98,5 +97,5 @@ def _even(picture: Grey) -> Grey:
     """Return a picture divided by its own brightness nearby: lamps flicker, phones adapt."""
     import cv2
 
-    blurred = cv2.blur(picture, (NEAR_PX, NEAR_PX))
+    blurred = cv2.blur(picture, (2 * PATCH_PX + 1,) * 2)
     return np.asarray(cv2.divide(picture, blurred, scale=128), np.uint8)

@@ -11,16 +11,13 @@ from ..arrays import Array, Grey
 from .edges import refine
 
 Tag = tuple[Array, float]  # corners (4, 2) px, clockwise; width of the edges, px
-DICTIONARY = "DICT_4X4_50"
-MARGIN_SIDES = 2.5  # round the tags seen last, in sides of a tag
-LOOK_AGAIN = 15  # frames after which a missing tag is searched for in the whole picture
 
 
 def dictionary() -> Any:
     """Return the tags' dictionary: number 0 is the tail's."""
     import cv2
 
-    return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
+    return cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
 
 
 class TagFinder:
@@ -41,7 +38,7 @@ class TagFinder:
         elif not tags or self.patience <= 0:
             self.window, self.side_px = (0, 0, picture.shape[1], picture.shape[0]), 0.0
             tags = self._look(picture) | tags
-            self.patience = LOOK_AGAIN
+            self.patience = 15  # frames until the whole picture is searched again
         else:
             self.patience -= 1
         self._follow(tags, picture.shape)
@@ -68,12 +65,11 @@ class TagFinder:
         self.strangers.update(numbers[numbers >= self.links].tolist())
         tags: dict[int, Tag] = {}
         for link in range(self.links):
-            hits = np.flatnonzero(numbers == link)
-            side = np.linalg.norm(quads[hits, 1] - quads[hits, 0], axis=1)
-            spread = np.linalg.norm(np.ptp(quads[hits].mean(axis=1), axis=0)) if len(hits) else 0.0
+            hits = quads[numbers == link]
             # A number that is seen at two places counts at neither: which is the robot's?
-            if len(hits) and spread <= 0.5 * side[0]:
-                tags[link] = quads[hits[-1]] + [left_px, top], float(edges[hits[-1]])
+            if len(hits) and np.ptp(hits.mean(axis=1), axis=0).max() < 0.5 * np.ptp(hits[0, :, 0]):
+                edge_px = float(edges[numbers == link][-1])
+                tags[link] = hits[-1] + [left_px, top], edge_px
         return tags
 
     def _follow(self, tags: dict[int, Tag], shape: tuple[int, ...]) -> None:
@@ -84,7 +80,7 @@ class TagFinder:
         quads = np.array([quad for quad, _ in tags.values()])
         self.side_px = float(np.median(np.linalg.norm(quads[:, 1] - quads[:, 0], axis=1)))
         # Links that were not seen may be on either side: room for all of them.
-        room = self.side_px * (MARGIN_SIDES + 2.5 * (self.links - len(tags)))
+        room = 2.5 * self.side_px * (1 + self.links - len(tags))
         ends = quads.min(axis=(0, 1)) - room, quads.max(axis=(0, 1)) + room + 1
         left_px, top, right, bottom = np.clip(ends, 0, shape[::-1]).astype(int).ravel().tolist()
         self.window = left_px, top, right, bottom

@@ -12,14 +12,11 @@ import numpy as np
 
 from ..arrays import Array, Grey, Mask
 
-ALONG = np.linspace(0.1, 0.9, 13)  # where an edge is read, as a share of it
-REACH_CELLS = 0.5  # how far across, in cells of the tag; border and rim are one cell wide
+ALONG = np.linspace(0.1, 0.9, 13)  # Places at which an edge is read, as a share of it.
 CELLS = 6
-MOST_REACH_PX = 8.0  # so that the profile is read in steps below a pixel
 ACROSS = np.linspace(-1.0, 1.0, 25)
 LEAST_POINTS = 5
-LEAST_CONTRAST = 12.0  # grey levels
-LIFTED, NEAR_TOP = 15.0, 5.0  # grey levels: black lifted by a reflection, white at its end
+LEAST_CONTRAST = 12.0  # Grey levels that an edge rises by.
 
 
 def refine(picture: Grey, quads: Array) -> tuple[Array, Array]:
@@ -45,8 +42,9 @@ def _refined(picture: Grey, quads: Array) -> tuple[Array, Array]:
     # A tag seen aslant is narrower one way: across an edge, a cell is as wide as the area tells.
     x, y = quads[..., 0], quads[..., 1]
     area = 0.5 * np.abs(np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1))
-    reach = REACH_CELLS / CELLS * area[:, None, None] / np.maximum(length, 1e-6)
-    reach = np.minimum(reach, MOST_REACH_PX)
+    # Half a cell of border and rim is read, at most 8 px: in steps below a pixel.
+    reach = 0.5 / CELLS * area[:, None, None] / np.maximum(length, 1e-6)
+    reach = np.minimum(reach, 8.0)
     base = start[:, :, None] + ALONG[:, None] * edge[:, :, None]
     places = base[..., None, :] + (reach[..., None] * ACROSS)[..., None] * outward[:, :, None, None]
     flat = places.reshape(len(quads) * 4, -1, 2).astype(np.float32)
@@ -76,7 +74,7 @@ def _crossings(profile: Array) -> tuple[Array, Array]:
     # A lamp's reflection lifts the black while white can rise no further: there the edge is where
     # black has risen by half of what it rises elsewhere. Blur lifts black, but lowers white, too.
     top = np.quantile(bright, 0.95)
-    washed = (bright > top - NEAR_TOP) & (dark > np.quantile(dark, 0.2) + LIFTED)
+    washed = (bright > top - 5.0) & (dark > np.quantile(dark, 0.2) + 15.0)  # grey levels
     if not washed.all():
         rise = np.where(washed, np.median(rise[~washed]), rise)
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -16,8 +16,7 @@ from ...model.capture_rate import OPTION, CaptureRate, capture_rate
 from ..arrays import Grey
 from .extra import need_extra
 
-MOST_BYTES = 1 << 40  # of a film
-CAPTURE_TAG = "capture.fps"  # ends the name of the tag in which Android phones say it
+CAPTURE_TAG = "capture.fps"  # End of the tag's name in which Android phones say it.
 
 
 @dataclass(frozen=True)
@@ -51,7 +50,7 @@ class Film:
         import av
         import av.error
 
-        check_file(path, MOST_BYTES)
+        check_file(path, 1 << 40)
         try:
             with av.open(str(path)) as box:
                 stream = box.streams.best("video")

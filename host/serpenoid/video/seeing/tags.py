@@ -8,14 +8,13 @@ from .detect import dictionary
 from .edges import CELLS
 
 MOST_LINKS = 13
-SHARE_OF_LINK = 0.45
 # Far apart, so that a link's length that is typed a little wrong leaves the side as it was printed.
 SIDES_MM = (8, 10, 12, 14, 17, 20, 24, 28, 34, 40, 48, 58)
 
 
 def tag_side_m(link_m: float) -> float:
     """Return the side of the tags that are printed for links of a length, m."""
-    fitting = [side for side in SIDES_MM if side <= 1e3 * SHARE_OF_LINK * link_m]
+    fitting = [side for side in SIDES_MM if side <= 450 * link_m]
     return max(fitting, default=SIDES_MM[0]) / 1e3
 
 

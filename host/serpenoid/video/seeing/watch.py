@@ -15,8 +15,6 @@ from .detect import TagFinder
 from .film import Film
 from .sightings import Sightings
 
-COARSE_SHARE = 0.2  # corners to a whole pixel are left out where no more are so
-
 
 @dataclass(frozen=True)
 class Watched:
@@ -78,6 +76,6 @@ def _sharp(corners_px: Single, edge_px: Single) -> Single:
     """Leave out, in place, tags whose edges could not be read, where nearly all could."""
     visible = np.isfinite(corners_px[..., 0, 0])
     coarse = visible & ~np.isfinite(edge_px)
-    if coarse.sum() <= COARSE_SHARE * visible.sum():
+    if coarse.sum() <= 0.2 * visible.sum():
         corners_px[coarse] = np.nan
     return corners_px
