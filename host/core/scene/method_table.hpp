@@ -1,6 +1,6 @@
 // Every method of runs in time: which scenes it runs, its order.
 //
-// The one registry. Python reads it (simulation/methods.py), and refuses with it what a method does
+// The one registry. Python reads it (simulation/scene.py), and refuses with it what a method does
 // not run; run/make_method.cpp has how each is made.
 #pragma once
 

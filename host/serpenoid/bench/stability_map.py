@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import cycle, product
 from pathlib import Path
 from typing import Any
 
@@ -148,14 +148,13 @@ def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Cell]:
     """Yield every cell of a map for every method of fixed steps."""
     axes, steps_s, count = COARSE if quick else WIDE
     with Limited() as child:
-        for line in product(fixed_step_methods(), *axes):
-            if all(value == values[0] for value, values in zip(line[1:], axes, strict=True)):
-                tell(f"map of stability: {line[0]} ...")
-            limit_s = largest_stable_step_s(scene_of(*line))
-            values, note = child(LIMIT_S, line_of_growth, line, steps_s, count)
-            values = values or [math.nan] * len(steps_s)
-            for dt_s, value in zip(steps_s, values, strict=True):
-                yield Cell(*line, dt_s, value, limit_s, note)
+        for method in fixed_step_methods():
+            tell(f"map of stability: {method} ...")
+            for line in product((method,), *axes):
+                limit_s = largest_stable_step_s(scene_of(*line))
+                values, note = child(LIMIT_S, line_of_growth, line, steps_s, count)
+                for dt_s, value in zip(steps_s, values or cycle([math.nan]), strict=False):
+                    yield Cell(*line, dt_s, value, limit_s, note)
 
 
 def stability_figure(cells: Sequence[Cell], path: Path) -> None:

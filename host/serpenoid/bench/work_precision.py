@@ -12,6 +12,7 @@ import math
 import platform
 import statistics
 import time
+import timeit
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -89,21 +90,18 @@ def work_of(problem: Problem, method: str, kind: str, setting: float) -> Work:
 def _timed(problem: Problem, work: tuple[str, str, float], rounds: int) -> tuple[float, float]:
     """Return the error and the time of a run: the median of rounds, or of one if it is long."""
     call = work_of(problem, *work)
-    times, repeats, end = [], 1, np.empty(0)
-    for number in range(rounds + 1):
-        begin = time.thread_time()
-        for _ in range(repeats):
-            end = call()
-        times.append((time.thread_time() - begin) / repeats)
-        if number == 0:
-            # Work shorter than 2 ms is repeated within a round.
-            repeats = max(1, round(2e-3 / max(times[0], 1e-7)))
-            if times[0] > MAX_TIMED_S:
-                break
+    begin_s = time.thread_time()
+    end = call()
+    times_s = [time.thread_time() - begin_s]
+    if times_s[0] < MAX_TIMED_S:
+        # Work shorter than 2 ms is repeated within a round.
+        count = max(1, round(2e-3 / max(times_s[0], 1e-7)))
+        rounds_s = timeit.repeat(call, timer=time.thread_time, repeat=rounds, number=count)
+        times_s = [round_s / count for round_s in rounds_s]
     if not np.isfinite(end).all():
         raise ArithmeticError("the end state is not finite")
-    median = statistics.median(times[1:] or times)
-    return problem.error(end, reference(problem)[0]), median / problem.scene.duration_s
+    time_s = statistics.median(times_s) / problem.scene.duration_s
+    return problem.error(end, reference(problem)[0]), time_s
 
 
 def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Row]:

@@ -22,7 +22,6 @@ from ..model.robot import Robot
 Shape = tuple[Robot, Ground, Gait]  # its gait at the first rate
 
 CONNECT_S = 10.0  # longest wait for the scheduler
-GAITS_PER_CHUNK, DRY_GAITS_PER_CHUNK = 20_000, 2_000  # largest chunks: about a second of work
 
 
 def solve_shapes(
@@ -41,7 +40,7 @@ def solve_shapes(
     return _core.sweep(models, rates, rtol, powers, min(threads, len(models)), progress)
 
 
-def solve_chunk(required: str, shapes: Sequence[Shape], *how: Any) -> Array:
+def solve_chunk(required: str, shapes: Sequence[Shape], **how: Any) -> Array:
     """Return a worker's figures of some shapes; raises ClusterFailed for another version.
 
     Only the same version gives the same figures to the last bit.
@@ -50,7 +49,7 @@ def solve_chunk(required: str, shapes: Sequence[Shape], *how: Any) -> Array:
         raise ClusterFailed(
             f"a worker has serpenoid {present}, here is {required}; install the same version there"
         )
-    return solve_shapes(shapes, *how)
+    return solve_shapes(shapes, **how)
 
 
 def solve_on_cluster(
@@ -84,13 +83,13 @@ def solve_on_cluster(
             client.wait_for_workers(1, 60.0)
             # With four chunks a thread all threads end at about the same time.
             share = -(-len(shapes) // (4 * sum(client.nthreads().values())))
-            gaits = GAITS_PER_CHUNK if shapes[0][1].smooth else DRY_GAITS_PER_CHUNK
-            size = min(share, max(1, gaits // len(rates)))
+            # 2000 gaits on dry ground are about a second of work.
+            size = min(share, max(1, 2000 // len(rates)))
             chunks = [shapes[k : k + size] for k in range(0, len(shapes), size)]
-            solve = partial(solve_chunk, version("serpenoid"))
-            how = ([value] * len(chunks) for value in (rates, rtol, powers))
+            how = {"rates": rates, "rtol": rtol, "powers": powers}
+            solve = partial(solve_chunk, version("serpenoid"), **how)
             parts = []
-            for future in client.map(solve, chunks, *how, pure=False):
+            for future in client.map(solve, chunks, pure=False):
                 parts.append(future.result())
                 if progress is not None:
                     progress(parts[-1].shape[0] * parts[-1].shape[1])
