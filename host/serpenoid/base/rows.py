@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import importlib
 import io
 import math
@@ -74,15 +73,6 @@ class Result:
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self.in_words()}>"
-
-    def _repr_html_(self) -> str:
-        """Return the sentence and the table for a notebook."""
-        heads, cells = self.table(verbose=False)
-        lines = []
-        for line in (heads, *cells):
-            inside = "".join(f"<td>{html.escape(cell)}</td>" for cell in line)
-            lines.append(f"<tr>{inside}</tr>")
-        return f"<p>{html.escape(self.in_words())}</p><table>{''.join(lines)}</table>"
 
     def __str__(self) -> str:
         from rich.console import Console

@@ -20,8 +20,6 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib  # pyright: ignore[reportMissingImports]
 
-_UNIT = re.compile(r"_(deg|rad|percent|pct|m_s|mm_s|cm_s|km_h|kmh|kph|mph|ft_s|kg|g|m|mm|cm|utc)$")
-
 MOST_TOML_BYTES = 1_000_000  # the parser reads some 2 MB a second
 
 
@@ -145,20 +143,12 @@ def check_names(
     names = list(names)
     for name in names:
         if name not in needed + optional:
-            hint = _hint(name, needed + optional)
+            allowed = needed + optional
+            close = difflib.get_close_matches(name, allowed, n=1)
+            hint = f"did you mean {close[0]!r}?" if close else f"known are {', '.join(allowed)}"
             raise BadInput(f"{where}: unknown {what} {name!r}; {hint}")
         if names.count(name) > 1:
             raise BadInput(f"{where}: {what} {name!r} stands there twice")
     missing = [name for name in needed if name not in names]
     if missing:
         raise BadInput(f"{where}: missing {what} {', '.join(missing)}, which has no default")
-
-
-def _hint(name: str, names: tuple[str, ...]) -> str:
-    """Tell other units of a known quantity from a slip of the pen."""
-    same = [k for k in names if _UNIT.sub("", k) == _UNIT.sub("", name)]
-    if same:
-        return f"the quantity is kept as {same[0]!r}, in those units alone; convert it"
-    close = [k for k in names if k.startswith(f"{name}_")]  # its unit was left out
-    close = close or difflib.get_close_matches(name, names, n=1)
-    return f"did you mean {close[0]!r}?" if close else f"known are {', '.join(names)}"

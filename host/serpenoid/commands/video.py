@@ -126,17 +126,13 @@ def film(
     was commanded.
     """
     from ..robot.recording.run_gait import recorded_gait
-    from ..session.folder import read_session
     from ..show.report import wrote
     from ..show.video.film_figure import film_figure, show_film
     from ..video.measure_film import measure_film
     from ..video.result import write_track
 
-    if way is not None and not (session_folder and read_session(session_folder).has_line):
-        raise click.UsageError(
-            "--way is along the line of a session's pushes; give a --session that has some, or "
-            "leave --way out: the film then counts as on level ground"
-        )
+    if way is not None and session_folder is None:
+        raise click.UsageError("--way is along the line of a session's pushes; give --session")
     robot, side = _robot(session_folder, tag_mm, settings)
     typed = chosen(settings, OFFSET) | {n: v for n, v in typed_gait.items() if v is not None}
     if recording and typed:

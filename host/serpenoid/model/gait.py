@@ -132,11 +132,6 @@ class Gait:
                 )
             object.__setattr__(self, name, tuple(limits.check(name, value) for value in values))
 
-    def __repr__(self) -> str:
-        """Return what was given; joints of their own only where there are any."""
-        names = [*_NUMBERS, *(name for name in _BY_JOINT if getattr(self, name))]
-        return f"Gait({', '.join(f'{name}={getattr(self, name)!r}' for name in names)})"
-
     @property
     def period_s(self) -> float:
         """Return 2 pi / omega, s."""

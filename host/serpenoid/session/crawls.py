@@ -18,8 +18,7 @@ from .settings import Setup
 
 # Commands that differ by less are one command: a film shows its rate, and may show its angles.
 _SAME_RATE, _SAME_RAD = 0.01, 0.01
-# Of a filmed gait: what is one number, and what is one a joint.
-RATES, JOINTS = ("omega_rad_s", "offset_rad"), ("joint_gain", "joint_shift_rad")
+MEANS = ("omega_rad_s", "offset_rad", "joint_gain", "joint_shift_rad")  # numbers of filmed gaits
 
 
 @dataclass(frozen=True)
@@ -44,9 +43,8 @@ class Crawls:
         films = [film.gait for film in self.films]
         if not films:
             return self.commanded
-        rates = {name: np.mean([getattr(g, name) for g in films]) for name in RATES}
-        joints = {name: np.mean([getattr(g, name) for g in films], axis=0) for name in JOINTS}
-        return replace(films[0], **rates, **joints)
+        means = {name: np.mean([getattr(g, name) for g in films], axis=0) for name in MEANS}
+        return replace(films[0], **means)
 
 
 def crawls_by_command(session: Session) -> list[Crawls]:

@@ -10,7 +10,6 @@ have the same header and older programs still read them.
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -143,11 +142,11 @@ def session_of(setup: Setup, events: Sequence[Event], folder: Path, notes: list[
     rows = _numbered(path, notes)
     voided = _voided(rows, events, folder / "events.csv")
     session = Session(setup, (), str(path), folder=folder, events=tuple(events))
-    left_out = Counter[str]()
+    left_out = list[str]()
     for number, row in sorted(rows.items()):
         kind = KINDS.get(row["kind"])
         if kind is None or words_of(row).get("by") == "marks":
-            left_out[row["kind"] if kind is None else f"{row['kind']} by marks"] += 1
+            left_out.append(row["kind"] if kind is None else f"{row['kind']} by marks")
             continue
         common = {
             "number": number,
@@ -169,9 +168,9 @@ def session_of(setup: Setup, events: Sequence[Event], folder: Path, notes: list[
             "all. If it is another robot, it needs a session of its own"
         )
     if left_out:
-        kinds = ", ".join(sorted(left_out))
+        kinds = ", ".join(sorted(set(left_out)))
         notes.append(
-            f"{count_text(left_out.total(), 'reading')} of kinds not used here ({kinds}) left out"
+            f"{count_text(len(left_out), 'reading')} of kinds not used here ({kinds}) left out"
         )
     return replace(session, notes=tuple(notes))
 

@@ -133,11 +133,6 @@ class Session:
                 keys.discard(e.detail)
         return frozenset(keys)
 
-    @property
-    def has_line(self) -> bool:
-        """Tell whether the floor has a line of pushes, planned or taken, to crawl along."""
-        return bool(self.kept_pushes) or self.setup.plan.on == "floor"
-
     def readings_of(self, kind: str) -> tuple[Any, ...]:
         """Return all readings of a kind, by its name."""
         return tuple(r for r in self.readings if r.kind == kind)

@@ -55,7 +55,7 @@ def test_regenerating_gives_the_committed_file():
         (
             "incline_deg",
             "incline_rad",
-            r":1: unknown column 'incline_rad'; .*'incline_deg'.*convert",
+            r":1: unknown column 'incline_rad'; did you mean 'incline_deg'",
         ),
         (",regenerated", ',"regenerated', r":\d+: not CSV"),
     ],
