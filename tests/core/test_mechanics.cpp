@@ -13,20 +13,20 @@ using namespace serpenoid;
 using doctest::Approx;
 
 TEST_CASE("friction opposes the motion, and may differ backwards") {
-    const WheelLaw law(0.5, 2.0, 0.1, 0.7);
+    const WheelLaw law{0.5, 0.1, 2.0, 0.7};
     CHECK(law.force(3.0) == Approx(-(0.5 * 3 + 0.1)));
     CHECK(law.force(-3.0) == Approx(2.0 * 3 + 0.7));
     CHECK(law.force(0.0) == 0);
     // at rest any force between both ends: thrust +- bound
-    CHECK(law.thrust - law.bound == Approx(-0.1));
-    CHECK(law.thrust + law.bound == Approx(0.7));
+    CHECK(law.thrust() - law.bound() == Approx(-0.1));
+    CHECK(law.thrust() + law.bound() == Approx(0.7));
 }
 
 // Three links whose joints have torques, by Lagrange's equations in SymPy.
 TEST_CASE("accelerations of a chain with torques at its joints") {
     RunRequest request;
     request.robot = {3, 1.0, 0.06, 0.0012};
-    request.ground = {0.1, 10.0, 0, 0};
+    request.ground = {{0.1, 0}, {10.0, 0}};
     request.drive = Drive::torque;
     Chain chain(3);
     Joints joints(3);

@@ -13,7 +13,7 @@ using doctest::Approx;
 namespace {
 
 const Robot kPaperRobot = uniform_rod(6, 1.0, 0.12);
-const Ground kPaperGround{0.1, 10.0, 0, 0};
+const Ground kPaperGround{{0.1, 0}, {10.0, 0}};
 const Gait kPaperGait{30 * kDegree, 80 * kDegree, 5.0, 0.0};
 
 double sum(const std::vector<double>& values, std::size_t begin) {

@@ -17,8 +17,8 @@ struct ViscousSumsOf {
     ViscousSumsOf() = default;
     ViscousSumsOf(const BodyShapeOf<Real>& shape, const Ground& ground) {
         for (const auto& k : shape.link) {
-            add(k.t, ground.ct);
-            add(k.n, ground.cn);
+            add(k.t, ground.along.c);
+            add(k.n, ground.across.c);
         }
     }
 

@@ -18,15 +18,6 @@ constexpr int kMaxSweeps = 3000;
 constexpr double kNever = 1e30;         // s
 constexpr double kStepRounding = 1e-9;  // of a step: so much more time takes no step more
 
-// The friction of a wheel in one direction: c |v| + F0 against the motion, with other numbers
-// backwards on a ratchet. At rest it is what holds the wheel, up to F0 times the breakaway.
-struct Friction {
-    double viscous, dry, viscous_back, dry_back;
-};
-
-Friction along(const Ground& g) { return {g.ct, g.ft0, g.ct_back, g.ft0_back}; }
-Friction across(const Ground& g) { return {g.cn, g.fn0, g.cn, g.fn0}; }
-
 }  // namespace
 
 LabChain::LabChain(const Robot& robot, std::vector<LabLink> links, std::optional<Servo> servo)
@@ -239,18 +230,19 @@ void LabChain::drive(double h) {
     }
 }
 
-// Wheels: their spin, viscous friction, and bounds of dry impulses.
+// Wheels: their spin, viscous friction, and bounds of dry impulses. Friction is c |v| + F0 against
+// the motion; at rest it is what holds the wheel, up to F0 times the breakaway.
 void LabChain::resist(double h) {
     for (int k = 0; k < 2 * n_; ++k) {
         Contact& wheel = contact_[k];
         const LabLink& link = links_[k / 2];
-        const Friction f = k % 2 == 0 ? along(link.ground) : across(link.ground);
+        const WheelLaw& f = k % 2 == 0 ? link.ground.along : link.ground.across;
         if (k % 2 == 0) add_square(wheel, link.rolling, wheel.speed);
-        wheel.viscous = h * (wheel.speed < 0 ? f.viscous_back : f.viscous);
+        wheel.viscous = h * (wheel.speed < 0 ? f.c_back : f.c);
         add_square(wheel, wheel.viscous, 0);
         const double hold = std::fabs(wheel.speed) < kAtRest ? h * link.breakaway : h;
-        wheel.low = -hold * f.dry;
-        wheel.high = hold * f.dry_back;
+        wheel.low = -hold * f.f0;
+        wheel.high = hold * f.f0_back;
     }
 }
 

@@ -129,8 +129,8 @@ class StickSlip : public FixedStep {
     }
 
   private:
-    Slide along(double h) const { return {WheelLaw::along(ground_), robot_.m, h}; }
-    Slide across(double h) const { return {WheelLaw::across(ground_), robot_.m, h}; }
+    Slide along(double h) const { return {ground_.along, robot_.m, h}; }
+    Slide across(double h) const { return {ground_.across, robot_.m, h}; }
 
     // Speeds of wheel i along and across its link.
     static double speed_t(const Chain& k, int i) { return k.c[i] * k.vx[i] + k.s[i] * k.vy[i]; }

@@ -39,6 +39,17 @@ struct Chain {
         }
     }
 
+    // The ground's forces on all links, by their directions and velocities (Eqs. 28-33); the weight
+    // of a link along the plane, N.
+    void apply_ground(const Ground& ground, double weight_x, double weight_y) {
+        for (int i = 0; i < n(); ++i) {
+            const double ft = ground.along.force(c[i] * vx[i] + s[i] * vy[i]);
+            const double fn = ground.across.force(c[i] * vy[i] - s[i] * vx[i]);
+            fx[i] = ft * c[i] - fn * s[i] + weight_x;
+            fy[i] = ft * s[i] + fn * c[i] + weight_y;
+        }
+    }
+
     // Positions and velocities of all links from those of link 1 and all angles (Eqs. 10-21), and
     // from the gaps where joints are springs.
     void follow(double l, const Gap* gaps = nullptr) {

@@ -24,7 +24,7 @@ std::vector<LabLink> listed(Table links) {
     std::vector<LabLink> list;
     for (std::size_t i = 0; i < links.shape(0); ++i) {
         const double* v = links.data() + kColumns * i;
-        list.push_back({{v[0], v[1], v[2], v[3], v[4], v[5]}, v[6], v[7]});
+        list.push_back({{{v[0], v[2], v[4], v[5]}, {v[1], v[3]}}, v[6], v[7]});
     }
     return list;
 }

@@ -247,7 +247,7 @@ NB_MODULE(_core, m) {
                 double cn, double ft0, double fn0, double ct_back, double ft0_back, double alpha,
                 double beta, double omega, double offset) {
                  new (self) Model{{n, mass, half_length, inertia},
-                                  {ct, cn, ft0, fn0, ct_back, ft0_back},
+                                  {{ct, ft0, ct_back, ft0_back}, {cn, fn0}},
                                   {alpha, beta, omega, offset}};
              })
         .def("bent",

@@ -2,12 +2,11 @@
 #include "run/evaluate.hpp"
 
 #include "model/explicit_model.hpp"
-#include "model/ground_force.hpp"
 
 namespace serpenoid {
 
 void evaluate(const RunRequest& q, const double* joint_acceleration, Chain& chain, Joints& joints) {
-    GroundForce(q.ground, {}, 0)(chain);
+    chain.apply_ground(q.ground, 0, 0);
     const std::vector<char> imposed(q.robot.n - 1, q.drive == Drive::angle);
     std::vector<double> rotor(q.robot.n - 1), scratch(q.robot.n);
     if (q.formulation == Formulation::explicit_) {

@@ -28,7 +28,7 @@ class ExplicitAngle final : public Mechanics {
     }
     void load(double t, const double* y) override {
         fill(t, y);
-        force(chain);
+        chain.apply_ground(ground, robot.m * slope.gx, robot.m * slope.gy);
     }
     void accelerate() override { explicit_angle(robot, drive.joint_accel(), chain); }
     void recover() override { joint_forces(robot, chain, joints); }
@@ -81,7 +81,7 @@ class ExplicitMixed final : public Mechanics {
     }
     void load(double t, const double* y) override {
         fill(t, y);
-        force(chain);
+        chain.apply_ground(ground, robot.m * slope.gx, robot.m * slope.gy);
         source->torques(t, chain, driven.data());
         drive.limp(driven.data());
     }

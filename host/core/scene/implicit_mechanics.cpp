@@ -26,7 +26,6 @@ class ImplicitMechanics final : public Mechanics {
         : Mechanics(q, ground, 2 * q.robot.n, 1 + joint_drive.free_joints()),
           spring(q.spring),
           damper(q.robot.n, q.method.holds_dampers),
-          ground(ground),
           drive(std::move(joint_drive)),
           source(std::move(torques)),
           scratch(q.robot.n) {
@@ -61,7 +60,7 @@ class ImplicitMechanics final : public Mechanics {
     }
     void load(double t, const double* y) override {
         fill(t, y);
-        force(chain);
+        chain.apply_ground(ground, robot.m * slope.gx, robot.m * slope.gy);
         spring_forces(spring, damper, gaps, joints);
         source->torques(t, chain, driven.data());
         drive.limp(driven.data());
@@ -148,7 +147,6 @@ class ImplicitMechanics final : public Mechanics {
 
     JointSpring spring;
     Damper damper;
-    Ground ground;
     MixedDrive drive;
     std::unique_ptr<TorqueSource> source;
     std::vector<double> scratch;
@@ -212,8 +210,8 @@ class SpringEquations final : public StepEquations {
             add(r.m * s, {{x, 1}});
             add(r.m * s, {{y, 1}});
             add(r.I * s, {{angle(i), 1}});
-            add(mechanics_.ground.ct, {{x, cosine_[i]}, {y, sine_[i]}});
-            add(mechanics_.ground.cn, {{x, -sine_[i]}, {y, cosine_[i]}});
+            add(mechanics_.ground.along.c, {{x, cosine_[i]}, {y, sine_[i]}});
+            add(mechanics_.ground.across.c, {{x, -sine_[i]}, {y, cosine_[i]}});
         }
         for (int i = 0; i + 1 < links_; ++i) {
             const int j = i + 1, x = place(i), y = x + 1, next_x = place(j), next_y = next_x + 1;

@@ -9,7 +9,6 @@
 
 #include "drive/joint_angles.hpp"
 #include "model/chain.hpp"
-#include "model/ground_force.hpp"
 #include "model/implicit_model.hpp"
 #include "scene/run_request.hpp"
 #include "scene/step_equations.hpp"
@@ -25,7 +24,8 @@ class Mechanics {
           driven(robot.n - 1),
           lengths(lengths),
           coordinates(lengths + angles),
-          force(ground, request.slope, robot.m) {}
+          ground(ground),
+          slope(request.slope) {}
     virtual ~Mechanics() = default;
 
     // The state of a chain, and the chain (places, angles, velocities, directions) of a state.
@@ -68,8 +68,8 @@ class Mechanics {
     std::vector<Gap> gaps;       // of the joints; none where these are pins
     const int lengths, coordinates;
 
-  protected:
-    GroundForce force;
+    const Ground ground;
+    const Slope slope;
 };
 
 // With this ground instead of the request's, and servos whose gears have this friction, N m.

@@ -1,7 +1,7 @@
 // Every method of runs in time: which scenes it runs, its order.
 //
 // The one registry. Python reads it (simulation/scene.py), and refuses with it what a method does
-// not run; run/make_method.cpp has how each is made.
+// not run; run/simulation.cpp has how each is made.
 #pragma once
 
 #include <stdexcept>

@@ -22,19 +22,18 @@ constexpr double kOvershot = 1e3;  // times at_rest: largest speed of a wheel ju
 Sticking::Sticking(Mechanics& mechanics, const RunRequest& q)
     : mechanics_(mechanics),
       chain_(mechanics.chain),
-      along_(WheelLaw::along(q.ground)),
-      ratchet_(q.ground.ratchet()),
+      along_(q.ground.along),
       length_(2 * q.robot.l),
       at_rest_(kAtRest * std::max(mode_tolerance(q), kLeastTolerance) * q.robot.n * length_ *
                rate_unit(q)) {
     const double force_scale =
         q.robot.n * q.robot.m * q.robot.n * length_ * rate_unit(q) * rate_unit(q);
-    const WheelLaw across = WheelLaw::across(q.ground);
+    const WheelLaw& across = q.ground.across;
     for (int i = 0; i < chain_.n(); ++i) {
         if (along_.has_modes())
             contacts_.push_back(
-                {i, Kind::along, along_.bound, along_.breakaway_ratio(force_scale)});
-        if (across.has_modes()) contacts_.push_back({i, Kind::across, across.bound, 1});
+                {i, Kind::along, along_.bound(), along_.breakaway_ratio(force_scale)});
+        if (across.has_modes()) contacts_.push_back({i, Kind::across, across.bound(), 1});
     }
     for (int i = 0; i + 1 < chain_.n() && gear_friction(q) > 0; ++i)
         if (q.faults.empty() || q.faults[i] == Fault::none)
@@ -82,8 +81,8 @@ void Sticking::release() {
 // Add a ratchet's friction that differs from the mean of both directions.
 void Sticking::add_ratchet(const Contact& w) {
     const int i = w.link;
-    const double more = along_.viscous(w.sign) - along_.mean_viscous();
-    const double f = along_.thrust - more * speed(w);
+    const double more = along_.viscous(w.sign) - along_.viscous(0);
+    const double f = along_.thrust() - more * speed(w);
     chain_.fx[i] += f * chain_.c[i];
     chain_.fy[i] += f * chain_.s[i];
 }
@@ -92,7 +91,7 @@ void Sticking::add_ratchet(const Contact& w) {
 void Sticking::slide(double t, const double* y) {
     mechanics_.load(t, y);
     for (const Contact& w : contacts_) {
-        if (ratchet_ && w.kind == Kind::along) add_ratchet(w);
+        if (w.kind == Kind::along) add_ratchet(w);
         if (w.sign != 0) push(w, -w.sign);
     }
     mechanics_.accelerate();

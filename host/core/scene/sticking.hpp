@@ -69,7 +69,6 @@ class Sticking {
     Mechanics& mechanics_;
     Chain& chain_;
     WheelLaw along_;
-    bool ratchet_;
     double length_;           // of a link, m
     double at_rest_;          // m/s: slower than this, a wheel may rest
     bool has_modes_ = false;  // modes have been found before

@@ -21,10 +21,10 @@ System::System(const RunRequest& q) {
     if (q.record_energy) ledger_.emplace(q);
     if (q.formulation == Formulation::implicit) {
         // a method that makes the friction steps a system without
-        const Ground ground = q.method.makes_friction ? Ground{0, 0, 0, 0} : q.ground;
+        const Ground ground = q.method.makes_friction ? Ground{} : q.ground;
         mechanics_ = make_implicit(q, ground, gear_friction(q));
     } else if (q.method.makes_friction) {
-        const Ground smooth{WheelLaw::along(q.ground).mean_viscous(), q.ground.cn, 0, 0};
+        const Ground smooth{{q.ground.along.viscous(0), 0}, {q.ground.across.c, 0}};
         mechanics_ = make_explicit(q, smooth, 0);
         sticking_ = std::make_unique<Sticking>(*mechanics_, q);
     } else {

@@ -64,10 +64,9 @@ ServoSteps::ServoSteps(const Robot& robot, const Ground& ground, const Gait& gai
         contact_.push_back(
             {std::vector<double>(size_), std::vector<double>(size_), forward, backward});
     };
-    const WheelLaw along = WheelLaw::along(ground), across = WheelLaw::across(ground);
     for (int i = 0; i < n_; ++i) {
-        touch(along.dry(1), along.dry(-1));
-        touch(across.dry(1), across.dry(-1));
+        touch(ground.along.f0, ground.along.f0_back);
+        touch(ground.across.f0, ground.across.f0_back);
     }
     for (int i = 0; i + 1 < n_; ++i) touch(servo.gear_friction, servo.gear_friction);
 }
@@ -254,13 +253,12 @@ void ServoSteps::wheels(double h) {
         g[i + 2] = -1;
         g[i + 3] = 1;
     }
-    const WheelLaw along = WheelLaw::along(ground_), across = WheelLaw::across(ground_);
     for (int k = 0; k < static_cast<int>(contact_.size()); ++k) {
         Contact& contact = contact_[k];
         const double* g = contact.row.data();
         contact.speed = dot(g, u_.data(), size_);
         if (k >= 2 * n_) continue;
-        const double c = (k % 2 ? across : along).viscous(contact.speed);
+        const double c = (k % 2 ? ground_.across : ground_.along).viscous(contact.speed);
         if (c == 0) continue;
         const double damping = 0.5 * h * c;
         add(right_.data(), size_, -damping * contact.speed, g);

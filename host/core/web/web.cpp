@@ -27,7 +27,7 @@ SweepShape shape_of(const double* scene) {
     const double* ground = scene + 3;
     const double* gait = scene + 7;
     return {{links, mass, length / 2, mass * length * length / 12},
-            {ground[0], ground[1], ground[2], ground[3]},
+            {{ground[0], ground[2]}, {ground[1], ground[3]}},
             {gait[0], gait[1], gait[2], 0}};
 }
 

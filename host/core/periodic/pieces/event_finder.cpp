@@ -29,7 +29,7 @@ void EventFinder::set_margins(const SlidingMode& mode) {
     }
     for (int a = 0; a < mode.count; ++a) {
         const int wheel = mode.stuck[a];
-        const double unit = piece_.grip(wheel) / force_eps_, bound = piece_.law(wheel).bound;
+        const double unit = piece_.grip(wheel) / force_eps_, bound = piece_.law(wheel).bound();
         const double side = std::copysign(1 / bound, piece_.stage_force(kStages - 1, a));
         for (int j = 0; j <= kStages; ++j) {
             const double f = j == 0 ? piece_.stuck_force(a, 0) : piece_.stage_force(j - 1, a);

@@ -33,7 +33,7 @@ void EventStep::set_kinks(double h, const SlidingMode& last_mode, const ModeEven
         const double drift = rests ? direction_[wheel] : 0;
         kinks_.push_back({{g.x, g.y, g.r},
                           omega_ * g.e - drift + kApart * speed * apart_[kinks_.size()],
-                          h * piece_.law(wheel).bound});
+                          h * piece_.law(wheel).bound()});
         wheel_of_kink_.push_back(wheel);
     }
 }
@@ -59,7 +59,7 @@ double EventStep::dissipation(const Vec3& u) const {
     for (std::size_t c = 0; c < kinks_.size(); ++c) {
         const WheelLaw& law = piece_.law(wheel_of_kink_[c]);
         const double v = kinks_[c].value(u);
-        watts += law.bound * std::fabs(v) - law.thrust * v;
+        watts += law.bound() * std::fabs(v) - law.thrust() * v;
     }
     return watts;
 }

@@ -50,7 +50,7 @@ SlidingCycle::SlidingCycle(const Robot& robot, const Ground& ground, const Gait&
                            long most_pieces)
     : CycleMap(robot, gait),
       omega_(gait.omega),
-      least_dry_(least_dry(ground)),
+      breakaway_force_(ground.breakaway_force()),
       piece_(robot, ground, gait),
       events_(robot, piece_),
       event_step_(*this, piece_),
@@ -80,7 +80,7 @@ CycleTolerances SlidingCycle::tolerances_of(double tolerance) const {
     }
     aim.longest_step = std::clamp(0.03 * std::sqrt(tolerance), 1e-6, 1e-3);
     aim.shortest_step =
-        std::clamp(kMargins * aim.speed * nm_ * omega_ / least_dry_, 1e-7, aim.longest_step);
+        std::clamp(kMargins * aim.speed * nm_ * omega_ / breakaway_force_, 1e-7, aim.longest_step);
     return aim;
 }
 

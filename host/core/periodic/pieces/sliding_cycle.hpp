@@ -56,7 +56,7 @@ class SlidingCycle : public CycleMap {
     std::pair<double, Vec3> dissipation(const SlidingPiece::Node& node, const Vec3& u) const;
     void accumulate(double h, double x);
 
-    double omega_, least_dry_;
+    double omega_, breakaway_force_;
     SlidingPiece piece_;
     EventFinder events_;
     EventStep event_step_;

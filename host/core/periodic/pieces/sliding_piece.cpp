@@ -47,7 +47,7 @@ SlidingPiece::SlidingPiece(const Robot& robot, const Ground& ground, const Gait&
       omega_(gait.omega),
       nm_(robot.n * robot.m),
       inverse_nm_(1 / nm_),
-      law_{WheelLaw::along(ground), WheelLaw::across(ground)},
+      law_{ground.along, ground.across},
       grip_(law_[0].breakaway_ratio(nm_ * gait.omega * gait.omega * robot.l *
                                     std::max(gait.alpha, 1e-9))),
       table_(robot.n, gait),
@@ -74,7 +74,7 @@ void SlidingPiece::sum(int lanes, const std::vector<double>& direction) {
 void SlidingPiece::set_nodes(double tau0, double tau1) { shape(2, {{tau0, tau1}}); }
 
 void SlidingPiece::sum_nodes(const std::vector<double>& direction) {
-    for (int c = 0; c < 2 * robot_.n; ++c) dry_[c] = -law(c).thrust;
+    for (int c = 0; c < 2 * robot_.n; ++c) dry_[c] = -law(c).thrust();
     sum(2, direction);
 }
 
@@ -174,7 +174,8 @@ bool SlidingPiece::solve(const SlidingMode& mode, double tau, double h, const Ve
     for (int j = 0; j < s; ++j) phase.value[j + 1] = tau + h * rule.c[j];
     phase.value[s + 1] = tau + h * kBetween;
     shape(s + 2, phase);
-    for (int c = 0; c < 2 * robot_.n; ++c) dry_[c] = law(c).bound * mode.sign[c] - law(c).thrust;
+    for (int c = 0; c < 2 * robot_.n; ++c)
+        dry_[c] = law(c).bound() * mode.sign[c] - law(c).thrust();
     sum(s + 1, mode.sign);
     Y_.fill(p0);
     double size = HUGE_VAL;
@@ -276,7 +277,7 @@ double SlidingPiece::error(const Vec3& scale) {
                            : correction(s + 1, *mode_, velocity(node_[s + 1], momenta(kBetween)));
     double unbalanced = 0, force = 0, outweighs = 0, drifted = 0;
     for (int a = 0; a < mode_->count; ++a) {
-        const double bound = law(mode_->stuck[a]).bound / grip(mode_->stuck[a]);
+        const double bound = law(mode_->stuck[a]).bound() / grip(mode_->stuck[a]);
         force = std::max(force, std::fabs(omega_ * x[a] - stuck_force(a, 0)) / bound);
         outweighs = std::max(outweighs, bound / (2 * omega_ * scale[0]));
     }

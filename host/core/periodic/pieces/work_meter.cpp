@@ -75,7 +75,7 @@ void WorkMeter::add_doubt(const SlidingMode& mode, double h, double x) {
     const double slow =
         mode.count < 3 ? kSlow : std::clamp(kDrifts * piece_.drift() / speed_aim_, kAim, kSlow);
     for (int wheel = 0; wheel < piece_.wheels(); ++wheel) {
-        if (mode.sign[wheel] == 0 || piece_.law(wheel).bound == 0) continue;
+        if (mode.sign[wheel] == 0 || piece_.law(wheel).bound() == 0) continue;
         if (events_.lowest(wheel) >= kSlow) {
             fresh_[wheel] = 0;
             continue;
@@ -84,7 +84,7 @@ void WorkMeter::add_doubt(const SlidingMode& mode, double h, double x) {
         int count = 0;
         for (int k = 0; k < kSamples; ++k) count += margin(x * (k + 0.5) / kSamples) < slow;
         if (!fresh_[wheel])
-            work_.error += piece_.law(wheel).bound * lever_ * h * x * count / kSamples;
+            work_.error += piece_.law(wheel).bound() * lever_ * h * x * count / kSamples;
         if (margin(x) >= kSlow) fresh_[wheel] = 0;
     }
 }

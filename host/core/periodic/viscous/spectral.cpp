@@ -75,8 +75,8 @@ void SpectralViscous::add_powers(Batch& batch) {
             robot_, node.shape, 1, motion,
             [&](int i) {
                 const auto& link = node.shape.link[i];
-                return std::pair(-g * ground_.ct * link.t.speed(motion.u, 1),
-                                 -g * ground_.cn * link.n.speed(motion.u, 1));
+                return std::pair(-g * ground_.along.c * link.t.speed(motion.u, 1),
+                                 -g * ground_.across.c * link.n.speed(motion.u, 1));
             },
             [&](int i, Pack T, Pack) {
                 for (int j = 0; j < kPack; ++j) torque[(j * joints + i) * N + k] = T[j];
