@@ -73,7 +73,7 @@ def test_a_film_of_two_pushes_gives_two_readings(tmp_path) -> None:
         scale = (seen @ true) / (seen @ seen)
         assert scale == pytest.approx(1.0, abs=0.01)
         assert np.abs(scale * seen - true).max() < 1e-3
-    assert "is of this film already" in serpenoid(typed).stderr
+    assert "is of this file already" in serpenoid(typed).stderr
 
 
 def test_a_crawl_is_no_push(tmp_path) -> None:
