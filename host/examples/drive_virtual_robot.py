@@ -16,7 +16,7 @@ with RobotBoard("virtual:fast", record=recording) as robot:  # leaving the block
     for frame in robot.frames(10.0):
         if frame.frame % 100 == 0:
             print(frame.state, [round(math.degrees(a), 1) for a in frame.setpoint_rad])
-    rate_rad_s, sd_rad_s = robot.true_rate_rad_s(gait.omega_rad_s)
+    rate_rad_s, sd_rad_s = robot.clock.true_rate(gait.omega_rad_s)
     print(f"true rate {rate_rad_s:.6f} +- {sd_rad_s:.6f} rad/s, {robot.losses}")
 
 stream = load_stream(recording)

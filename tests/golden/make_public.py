@@ -52,7 +52,6 @@ ANSWERS = (  # MINE is a session with a crawl; BENCH a servo's test
     "fit MINE",
     f"compare DIR {NEXT}",
     f"advise DIR {NEXT}",
-    "report DIR --out report.html",
     "calibrate status MINE",
     "servo --test BENCH",
     "video FILM",

@@ -72,9 +72,6 @@ def flash(board: str | None, port: str | None, joints: int, output: str) -> None
     )
 
 
-MARKS = {"ok": "ok  ", "note": "note", "fix": "FIX "}
-
-
 @command()
 @number("--listen-s", "How long to listen to the board; 3.", default=3.0)
 @flag("--limp", "Ask whether servos go limp when pulses end, and keep it on the board: it moves.")
@@ -93,7 +90,7 @@ def doctor(port: str | None, listen_s: float, limp: bool, as_json: bool) -> None
     for finding in examine(port, listen_s):
         findings.append(finding)
         if not as_json:
-            say(f"{MARKS[finding.mark]}  {finding.name}: {finding.found}")
+            say(f"{finding.mark:4}  {finding.name}: {finding.found}")
             if finding.fix:
                 say(f"      -> {finding.fix}")
     well = all(finding.mark != "fix" for finding in findings)

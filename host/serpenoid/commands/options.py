@@ -184,7 +184,7 @@ def make_gait(typed: Values, base: sn.Gait | None = None) -> sn.Gait:
                 "give --alpha-deg, --beta-deg, and one of --frequency-hz and --omega-rad-s"
             )
         return sn.Gait.degrees(**values)
-    fields = {name: value for name, value in describe(base).items() if name in GAIT}
+    fields = describe(base)
     if "frequency_hz" in values:
         del fields["omega_rad_s"]
     gait = sn.Gait.degrees(**fields | values)
@@ -194,12 +194,11 @@ def make_gait(typed: Values, base: sn.Gait | None = None) -> sn.Gait:
 
 def describe(gait: sn.Gait) -> Values:
     """Return a gait as it is typed."""
-    return {
-        "alpha_deg": round(math.degrees(gait.alpha_rad), 10),  # 30, not 29.999999999999996
-        "beta_deg": round(math.degrees(gait.beta_rad), 10),
-        "omega_rad_s": gait.omega_rad_s,
-        "offset_deg": round(math.degrees(gait.offset_rad), 10),
-    } | ({"joint_gain": list(gait.joint_gain)} if gait.joint_gain else {})
+    angles = {name: getattr(gait, name.replace("_deg", "_rad")) for name in GAIT[:3]}
+    degrees = {
+        name: round(math.degrees(angle), 10) for name, angle in angles.items()
+    }  # 30, not 29.99
+    return degrees | {"omega_rad_s": gait.omega_rad_s}
 
 
 def interruptible(work: Callable[[], T]) -> T:

@@ -63,7 +63,7 @@ HERTZ = 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0
 @option(
     "--out", "folder", "Folder for figures and claims.", type=directory, default=Path("figures-out")
 )
-def figures(folder: Path, as_json: bool) -> None:
+def figures(folder: Path) -> None:
     """Draw the figures of the 2005 paper anew, and set its claims beside what is found.
 
     Writes Figs. 6 to 13 and 15 to 17, the front of least power of the 2005 robot, and claims.json.
@@ -74,12 +74,9 @@ def figures(folder: Path, as_json: bool) -> None:
     from ..show.report import table
 
     results = busy("drawing figures", lambda _: draw(folder))
-    values = {"claims": [claim._asdict() for claim in results]}
-    show_json(values, folder / "claims.json")
-    if as_json:
-        return show_json(values)
+    show_json({"claims": [claim._asdict() for claim in results]}, folder / "claims.json")
     table("the paper's claims", ["where", "the paper", "here", "verdict"], results, 4)
-    return say(f"wrote {folder / 'claims.json'} and the figures")
+    say(f"wrote {folder / 'claims.json'} and the figures")
 
 
 def draw(folder: Path) -> list[Claim]:

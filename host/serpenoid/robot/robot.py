@@ -133,10 +133,6 @@ class RobotBoard:
         """Return the last frame that came, None before the first."""
         return self._dialogue.inbox.latest
 
-    def true_rate_rad_s(self, omega_rad_s: float) -> tuple[float, float]:
-        """Return the rate, rad/s of host time, of a gait commanded at omega, and its s.d."""
-        return self.clock.true_rate(omega_rad_s)
-
     def command(self, text: str) -> tuple[Verdict, list[Data]]:
         """Send one command as PROTOCOL.md writes it; return the verdict and the data lines.
 

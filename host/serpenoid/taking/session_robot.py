@@ -135,7 +135,7 @@ class SessionRobot:
     def rate(self, gait: Gait) -> float:
         """Return the gait's true rate by the board's clock, rad/s; nominal where that is unsure."""
         try:
-            rate, sd = self._robot.true_rate_rad_s(gait.omega_rad_s)
+            rate, sd = self._robot.clock.true_rate(gait.omega_rad_s)
         except RobotError:
             return gait.omega_rad_s
         return rate if sd < 0.002 * rate else gait.omega_rad_s

@@ -53,9 +53,9 @@ def test_the_one_board_is_found_by_its_usb_id(plugged, vendor):
     with FakeBoard() as fake:
         plugged(("/dev/ttyS0", None), (fake.port, vendor), ("/dev/ttyUSB1", 0x1234))
         opened(None)
-        mine, other, _ = sorted(answer("ports")["ports"], key=lambda row: not row["likely_board"])
+        mine, other, _ = sorted(answer("ports")["ports"], key=lambda row: not row["chip"])
         assert (mine["device"], mine["usb"]) == (fake.port, f"{vendor:04x}:0043")
-        assert not other["likely_board"]
+        assert not other["chip"]
 
 
 def test_several_boards_or_none_are_listed(plugged, monkeypatch):

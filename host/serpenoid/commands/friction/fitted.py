@@ -126,9 +126,7 @@ def compare(
 @command()
 @option("--out", "page", "Where to; report.html in the session's folder.", type=OutFile(".html"))
 @settings(*PLUG)
-def report(
-    session: Path, servo: str | None, page: Path | None, settings: Values, as_json: bool
-) -> None:
+def report(session: Path, servo: str | None, page: Path | None, settings: Values) -> None:
     """Write a session's report: one self-contained HTML file, the same bytes when made again.
 
     Its speeds are those of `compare` and `advise`: any hobby servo unless --servo says which.
@@ -138,7 +136,7 @@ def report(
     from ...show.session.report_page import session_page
 
     page = page or session / "report.html"
-    loaded, fit, kind, notes = measured(session, servo, settings)
+    loaded, fit, kind, _ = measured(session, servo, settings)
     compared = None
     if compared_gaits(loaded):
         compared = busy(
@@ -146,7 +144,4 @@ def report(
         )
     advised = sn.advise(loaded, servo=kind) if loaded.setup.plan.gaits else None
     write_text(page, session_page(loaded, fit, compared, advised))
-    if as_json:
-        show_json({"report": str(page), "verdict": compared and compared.verdict} | notes)
-    else:
-        say(f"wrote {page}")
+    say(f"wrote {page}")

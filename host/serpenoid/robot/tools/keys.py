@@ -9,7 +9,7 @@ import sys
 from ...base import system
 from ...base.errors import BadInput
 
-ARROWS = {"A": "up", "B": "down", "C": "right", "D": "left"}
+ARROWS = {"C": "right", "D": "left"}
 NAMES = {
     "\n": "enter",
     "\r": "enter",

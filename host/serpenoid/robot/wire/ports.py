@@ -70,7 +70,6 @@ def port_states() -> list[dict[str, Any]]:
             "device": port.device,
             "description": port.description or "",
             "usb": f"{port.vid:04x}:{port.pid:04x}" if port.vid else None,
-            "likely_board": board_chip(port) is not None,
             "chip": board_chip(port),
             "allowed": allowed(port.device),
         }
