@@ -5,10 +5,7 @@ Weighted least squares; the rate by Gauss and Newton's method.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
 from .vectors import Array
 
@@ -18,16 +15,11 @@ OVERTONES_HELD = 2.5e-3
 _ROUNDS = 12
 
 
-def waves(t_s: Array, rates_rad_s: NDArray[np.floating[Any]]) -> Array:
-    """Return 1, then cosine and sine of each rate, (samples, 1 + 2 rates)."""
-    phase = np.outer(t_s, rates_rad_s)
-    pairs = np.stack([np.cos(phase), np.sin(phase)], axis=-1).reshape(len(t_s), -1)
-    return np.concatenate([np.ones((len(t_s), 1)), pairs], axis=1)
-
-
 def basis(t_s: Array, omega: float, harmonics: int = HARMONICS) -> Array:
     """Return 1, cos w t, sin w t, cos 2 w t, ..., (samples, 1 + 2 harmonics)."""
-    return waves(t_s, omega * np.arange(1, harmonics + 1))
+    phase = np.outer(t_s, omega * np.arange(1, harmonics + 1))
+    pairs = np.stack([np.cos(phase), np.sin(phase)], axis=-1).reshape(len(t_s), -1)
+    return np.concatenate([np.ones((len(t_s), 1)), pairs], axis=1)
 
 
 def basis_by_rate(t_s: Array, columns: Array) -> Array:

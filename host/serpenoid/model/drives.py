@@ -84,12 +84,12 @@ class TorqueTable:
 
     def __post_init__(self) -> None:
         t, T = number_array("t_s", self.t_s), number_array("torque_nm", self.torque_nm)
-        if t.size == 0 or T.shape[:-1] != t.shape or t.shape != (t.size,):
+        fits = t.size > 0 and t.shape == (t.size,) == T.shape[:-1]
+        if not (fits and np.isfinite(t).all() and np.isfinite(T).all() and np.all(np.diff(t) > 0)):
             raise BadInput(
-                f"a torque table needs t_s (K,) and torque_nm (K, n-1); got {t.shape}, {T.shape}"
+                "a torque table needs finite torque_nm (K, n-1) at finite, rising t_s (K,); got "
+                f"{T.shape} at {t.shape}"
             )
-        if not (np.isfinite(t).all() and np.isfinite(T).all() and (np.diff(t) > 0).all()):
-            raise BadInput("a torque table needs finite torques at finite, rising times")
         object.__setattr__(self, "t_s", t)
         object.__setattr__(self, "torque_nm", T)
 
@@ -278,11 +278,6 @@ class ServoKind:
     remark: str = ""
 
     def __post_init__(self) -> None:
-        if not isinstance(self.sigma, Mapping):
-            raise BadInput(f"sigma is {self.sigma!r}; give sigmas by name, as sn.servo().sigma has")
-        for name in ("updates_hz", "drawn"):
-            if not isinstance(getattr(self, name), (tuple, list)):
-                raise BadInput(f"{name} is {getattr(self, name)!r}; it must be a tuple")
         for servo in (self.servo, *self.drawn):
             check_kind("servo", servo, Servo)
         for name, value in self.sigma.items():

@@ -56,8 +56,6 @@ def in_si(name: str, value: float) -> float:
     """Return a value in SI that is given in the unit of its name."""
     if name.endswith("_deg"):
         return math.radians(value)
-    if name.endswith("_sigma_percent"):
-        return value * 0.01  # to the last bit: the hash of a session has it
     return value / PER_SI.get(name.rpartition("_")[2], 1.0)
 
 

@@ -155,7 +155,7 @@ TORQUE = 'drive = "torque"\n' + PLAIN + "[torque]\n"
         (swap("duration_s = 2", "smoothing_m_s = 0.01"), ":2: smoothing_m_s is 0.01; .* remove"),
         (PLAIN + "[servo]\nbacklash_rad = 0.02", ":15: backlash_rad is 0.02; .* play in gears"),
         (TORQUE + "t_s = [0, 1]\ntorque_nm = [[1], [1, 2]]", ":15: torque_nm is .* regular array"),
-        (TORQUE + "t_s = [1, 0]\ntorque_nm = [[1], [1]]", ":15: .* rising times"),
+        (TORQUE + "t_s = [1, 0]\ntorque_nm = [[1], [1]]", ":15: .* rising t_s"),
         (TORQUE + "t_s = [0]\ntorque_nm = [[1]]", ":15: the torque table has 1 columns"),
         (TORQUE + "t_s = [0]\ntorque_nm = [[nan]]", ":15: a torque table needs finite"),
     ],
