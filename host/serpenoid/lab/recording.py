@@ -1,4 +1,4 @@
-"""What a camera, or a person with tape and watch, records of a robot that rolls out."""
+"""What a camera records of a robot that rolls out or crawls."""
 
 from __future__ import annotations
 
@@ -8,10 +8,7 @@ import numpy as np
 
 from ..base.vectors import Array
 from .floor import Track
-from .instruments import Instrument
 
-TAPE_M = Instrument(step=0.005, scatter=0.003)
-WATCH_S = Instrument(step=0.01, scatter=0.12)
 REST_S = 0.3  # that a camera runs on after a push
 
 
@@ -54,11 +51,3 @@ def filmed(
     rows[:2] += camera.sigma_m * rng.normal(size=rows[:2].shape)
     rows[2:] += camera.sigma_rad * rng.normal(size=rows[2:].shape)
     return np.column_stack([t_s, *rows])
-
-
-def to_rest(track: Track, rng: np.random.Generator) -> tuple[float, float]:
-    """Return distance, m, and time, s, from the hand to rest, by tape and watch."""
-    start = [np.interp(track.released_s, track.t_s, way) for way in (track.x_m, track.y_m)]
-    way = float(np.hypot(track.x_m[-1] - start[0], track.y_m[-1] - start[1]))
-    time = float(track.t_s[-1] - track.released_s)
-    return TAPE_M.shows(way, rng), max(WATCH_S.shows(time, rng), 0.0)

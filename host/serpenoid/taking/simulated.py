@@ -21,7 +21,7 @@ from ..lab.crawl import crawl_speed, filmed_crawl
 from ..lab.floor import Floor, Push
 from ..lab.instruments import Instrument
 from ..lab.person import Display, Person
-from ..lab.recording import Camera, film, to_rest
+from ..lab.recording import Camera, film
 from ..lab.robot import LabRobot, pose_of
 from ..model.bends import bend_signs
 from ..model.drives import Servo
@@ -63,7 +63,7 @@ class Truth:
     true belt speed over shown. incline_scale: its true steps of grade over those stated.
 
     Of a floor: slope_rad, across_rad: by what it falls towards "there" and to the left of it.
-    film_scale: lengths in films over true. camera: what films; None: tape and watch.
+    film_scale: lengths in films over true. camera: what films.
     """
 
     ground: Ground
@@ -78,7 +78,7 @@ class Truth:
     slope_rad: float = 0.0
     across_rad: float = 0.0
     film_scale: float = 1.0
-    camera: Camera | None = PHONE
+    camera: Camera = PHONE
 
     def robot(self, body: Robot, rng: np.random.Generator) -> LabRobot:
         """Return the robot as it truly is, its joint errors drawn."""
@@ -184,7 +184,7 @@ class SimulatedPerson:
         return {"distance_m": round(max(way_m, 0.0), 3), "duration_s": round(max(time_s, 0.1), 2)}
 
     def _push(self, step: Step) -> Cells | None:
-        """Push until a push is as it should be; return its track, or way and time to rest."""
+        """Push until a push is as it should be; return its track."""
         direction_rad = 0.0 if step.cells["way"] == "there" else math.pi
         camera, plan = self.truth.camera, self.setup.plan
         slipping = slips(plan.bend, step.lambda_deg, self.setup.robot.links)
@@ -192,10 +192,6 @@ class SimulatedPerson:
             speed_m_s = PUSH_M_S * max(1.0 + self._error(PUSH_SPREAD), 0.3)
             crooked = self._error(CROOKED_RAD), self._error(SPIN_RAD_S)
             track = self._floor.push(self._pose_rad, Push(speed_m_s, direction_rad, *crooked))
-            if camera is None:
-                way_m, time_s = to_rest(track, self.rng)
-                turned_deg = round(math.degrees(track.turned_rad))
-                return {"distance_m": way_m, "duration_s": time_s, "turned_deg": turned_deg}
             rows = film(track, replace(camera, scale=self.truth.film_scale), self.rng)[:, :3]
             look = look_at(rows, slips=slipping)
             if not look.doubts:
@@ -209,7 +205,7 @@ class SimulatedPerson:
         swinging = replace(gait, alpha_rad=gait.alpha_rad * self.truth.amplitude)
         side = {"there": 1.0, "back": -1.0}.get(str(step.cells.get("way", "")), 0.0)
         slopes = -side * self.truth.slope_rad, side * self.truth.across_rad
-        if self.setup.plan.on == "floor" and self.truth.camera is not None:
+        if self.setup.plan.on == "floor":
             camera = replace(self.truth.camera, scale=1.0 + self._error(FILM_ERROR))
             rows = filmed_crawl(self.robot, swinging, camera, self.rng, *slopes)
             rows[:, 4:] *= 1.0 + FILM_ERROR * self.rng.normal(size=rows.shape[1] - 4)

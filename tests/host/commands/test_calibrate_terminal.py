@@ -38,7 +38,7 @@ def test_taken_killed_and_resumed_at_a_terminal(folder):
     assert (math.degrees(reading.incline_rad), reading.belt_speed_m_s) == (pytest.approx(2.0), 0.05)
     with Person(f"calibrate {folder}") as person:
         person.sees("1 station")
-        person.sees("453.6 g, on belt")
+        person.sees("on belt: 6 links of 76 mm, 453.6 g")
         person.answers("Enter if it is this robot", "\n")
         person.answers("Robot straight", "quit\n")
         person.sees("Everything read so far is kept")

@@ -58,7 +58,7 @@ def test_a_film_of_two_pushes_gives_two_readings(tmp_path) -> None:
     folder = tmp_path / "session"
     serpenoid(f"calibrate new {folder} --defaults --on floor", check=True)
     typed = f"calibrate push {folder} {film}"
-    assert "all lengths ± 0." in serpenoid(typed, check=True).stdout
+    serpenoid(typed, check=True)
     session = load_session(folder)
     pushes = session.kept_pushes
     (scale_sigma,) = {p.scale_sigma for p in pushes}

@@ -13,7 +13,6 @@ from ...model.robot import Robot
 from ...robot.wire.link import Link
 from ...session.journal import Journal
 from ...session.session import Session
-from ...session.settings import Setup
 from ...show.screen import say
 from ...taking.asking import Quit, Skip, Undo
 from ...taking.dialogue import Dialogue, ask_identity
@@ -35,7 +34,7 @@ def with_a_person(folder: Path, port: str | Link | None) -> None:
         for note in journal.session.notes:
             console.say(f"note: {note}")
         setup = journal.session.setup
-        console.say(f"{journal.session}; {robot_in_words(setup)}")
+        console.say(f"{journal.session}; on {setup.laboratory.surface}: {setup.in_words()}")
         try:
             ask_identity(journal, console)
         except (Quit, Undo, Skip, EOFError):
@@ -83,16 +82,6 @@ def program() -> str:
     return f"serpenoid {version('serpenoid')}"
 
 
-def robot_in_words(setup: Setup) -> str:
-    """Return robot and surface in words."""
-    robot = setup.robot
-    weighed = "" if setup.robot_table.weighs else " (not weighed)"
-    return (
-        f"{robot.links} links of {1000 * robot.link_length_m:.4g} mm, "
-        f"{1000 * robot.links * robot.link_mass_kg:.4g} g{weighed}, on {setup.laboratory.surface}"
-    )
-
-
 def film_reader(side_m: float | None, capture_fps: float | None = None) -> FilmReader:
     """Return what reads a film of a robot with tags; side_m: of a tag, by its links unless given.
 
@@ -108,20 +97,13 @@ def film_reader(side_m: float | None, capture_fps: float | None = None) -> FilmR
             crawl = busy(
                 what, lambda share: measure_film(*arguments, gait, False, share, capture_fps)
             )
-            remarks, (cells, samples), closing = crawl.run.remarks, film_cells(crawl), ""
+            remarks, (cells, samples) = crawl.run.remarks, film_cells(crawl)
         else:
             pushed = busy(what, lambda share: track_pushes(*arguments, share, capture_fps))
             remarks, samples = pushed.remarks, pushed.rows
             cells = {"scale_sigma": round(pushed.scale_sigma, 6)}
-            closing = (
-                f"{path.name}: all lengths ± {100 * pushed.scale_sigma:.1f} %, kept with its "
-                "pushes; the fit takes this, or film_scale_sigma_percent in session.toml where "
-                "that is larger"
-            )
         for remark in remarks:
             say(f"{path.name}: {remark.name}: {remark.text}")
-        if closing:
-            say(closing)
         return Tracked(cells, samples, "" if gait is None else "video")
 
     return read
