@@ -13,7 +13,7 @@ from ..base.checks import check_number
 from ..base.errors import BadInput
 from ..base.files import read_json, write_text
 from ..session.session import Session
-from .result import METHODS, FrictionFit
+from .result import FrictionFit
 
 FORMAT = 3  # 2 had more draws, of what readings share, too
 OLDEST = 2  # 1 had no draws
@@ -122,10 +122,6 @@ def _check(content: Mapping[str, Any]) -> None:
         cure = "an older version wrote it" if written < OLDEST else "install a newer one"
         raise BadInput(
             f"format is {written}; this version reads formats {OLDEST} to {FORMAT}; {cure}"
-        )
-    if content["method"] not in METHODS:
-        raise BadInput(
-            f"method is {content['method']}; this version fits by {' or '.join(METHODS)}"
         )
     if content.get("sha256") != hash_of({k: v for k, v in content.items() if k != "sha256"}):
         raise BadInput(

@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..base.checks import count_text
 from ..base.errors import BadInput
@@ -218,18 +217,16 @@ def _turned_round(session: Session) -> list[int]:
 
     By the most of a place: a camera that stays shows "there" and "back" in opposite directions.
     """
-    ways: dict[str, dict[int, NDArray[np.float64]]] = {}
-    for push in session.kept_pushes:
-        if push.source == "film":
-            _, x, y = push.counted
-            sign = 1.0 if push.way == "there" else -1.0
-            way = sign * np.array([x[-1] - x[0], y[-1] - y[0]])
-            ways.setdefault(push.place, {})[push.number] = way / np.hypot(*way)
-    turned = []
-    for numbered in ways.values():
-        usual = np.median(list(numbered.values()), axis=0)
-        if len(numbered) >= MIN_FILMS:
-            turned += [number for number, way in numbered.items() if way @ usual < 0.0]
+    films = [push for push in session.kept_pushes if push.source == "film"]
+    turned: list[int] = []
+    for place in {push.place for push in films}:
+        same_place = [push for push in films if push.place == place]
+        ways_m = np.array([push.counted[1:, -1] - push.counted[1:, 0] for push in same_place])
+        ways_m[[push.way == "back" for push in same_place]] *= -1.0
+        directions = ways_m / np.linalg.norm(ways_m, axis=1, keepdims=True)
+        opposite = directions @ np.median(directions, axis=0) < 0.0
+        if len(same_place) >= MIN_FILMS:
+            turned += [same_place[k].number for k in np.flatnonzero(opposite)]
     return sorted(turned)
 
 
@@ -247,15 +244,14 @@ def _against_the_law(stations: Stations, estimate: MapEstimate) -> list[str]:
         sigma = math.sqrt(terms @ covariance[:4, :4] @ terms)
         return f"{value:.2g} ± {sigma:.1g} N" if value < -NEGATIVE_SIGMAS * sigma else ""
 
-    viscous = {"straight": negative(1.0, 0.0, 0.0, 0.0), "bent": negative(0.0, 1.0, 0.0, 0.0)}
     alarms = [
         f"Friction of the {name} robot falls with speed ({value} s/m): no sum of dry and viscous "
         "friction does. Look for a misread incline, or a zero that moved."
-        for name, value in viscous.items()
+        for name, value in (("straight", negative(1, 0, 0, 0)), ("bent", negative(0, 1, 0, 0)))
         if value
     ]
-    speeds = (stations.slip_m_s * np.sin(stations.lambda_rad))[stations.bent]
-    if len(speeds) and negative(0.0, float(speeds.mean()), 0.0, 1.0):
+    across_m_s = (stations.slip_m_s * np.sin(stations.lambda_rad))[stations.bent]
+    if len(across_m_s) and negative(0.0, float(across_m_s.mean()), 0.0, 1.0):
         alarms.append(
             "The bent robot has less friction than the straight one, though wheels grip across. "
             "Look at the bend, and whether the robot stood still on the belt."
@@ -272,18 +268,16 @@ def suspects(session: Session, estimate: MapEstimate) -> dict[str, Rows]:
         files.setdefault(push.file_sha256, []).append(push.number)
     for sha256, numbers in files.items():
         if sha256 and len(numbers) > 1:
-            listed = ", ".join(map(str, numbers))
-            rows[f"the file of readings {listed}"] = np.isin(posterior.numbers, numbers)
-    first = len(posterior.numbers) - len(posterior.names)  # of priors, less the frictions' names
+            listed = f"the file of readings {', '.join(map(str, numbers))}"
+            rows[listed] = np.isin(posterior.numbers, numbers)
+    priors = np.arange(len(posterior.numbers)) - len(posterior.numbers) + len(posterior.names)
     for k, name in enumerate(posterior.names):
         words = "the inclinometer's zero as it was read" if name == ZERO else ""
         if name.startswith(BEND_ERROR):
             degrees, _, where = name.removeprefix(BEND_ERROR).partition("_deg")
-            place = " on the floor" if where.startswith("_on_floor") else ""
-            words = f"the bend of {degrees}°{place} as it was set"
+            words = f"the bend of {degrees}°{' on the floor' * bool(where)} as it was set"
         if words:
-            is_prior = np.arange(len(posterior.numbers)) == first + k
-            rows[words] = rows.get(words, False) | is_prior
+            rows[words] = rows.get(words, False) | (priors == k)
     return rows
 
 

@@ -104,12 +104,11 @@ class MapEstimate:
         1e12 beside others of 1: rounding errors are then all that is left of it.
         """
         information = self.slopes.T @ self.slopes
-        diagonal = np.diag(information)
-        if np.isfinite(information).all() and diagonal.min() > 0.0:
-            scale = np.sqrt(diagonal)
-            values, vectors = np.linalg.eigh(information / np.outer(scale, scale))
-            if values[0] > len(scale) * np.finfo(float).eps * values[-1]:
-                return np.asarray((vectors / values) @ vectors.T / np.outer(scale, scale))
+        scale = np.sqrt(np.diag(information))
+        if np.isfinite(information).all() and scale.min() > 0.0:
+            correlation = information / np.outer(scale, scale)
+            if np.linalg.cond(correlation) * len(scale) * np.finfo(float).eps < 1.0:
+                return np.asarray(np.linalg.inv(correlation) / np.outer(scale, scale))
         raise NotConverged("the readings contradict each other so far that no friction is told")
 
     def without(self, omitted: Rows) -> MapEstimate:

@@ -287,23 +287,19 @@ class FrictionFit(Plottable):
     @classmethod
     def from_dict(cls, content: Mapping[str, Any]) -> FrictionFit:
         """Return the fit that `to_dict` gave; files of format 2 have more draws."""
-        parts = list(content["parameters"].values())
+        parts = content["parameters"].values()
         nuisances = {name: Estimate(**part) for name, part in content["nuisances"].items()}
         without = ("reading", "chi2_without", "shift_in_sigmas")
         return cls(
-            content["method"],
-            Robot(**content["robot"]),
-            np.array([part["value"] for part in parts]),
-            np.array(content["covariance"]["values"]),
-            np.array([part["interval"] for part in parts]),
-            np.array([row[:4] for row in content["draws"]["values"]]),
-            content["chi2"],
-            content["dof"],
-            MappingProxyType(nuisances),
-            tuple(content["residuals"]),
-            tuple(Influence(*(entry[key] for key in without)) for entry in content["influence"]),
-            tuple(content["notes"]),
-            tuple(content["alarms"]),
+            robot=Robot(**content["robot"]),
+            values=np.array([part["value"] for part in parts]),
+            covariance=np.array(content["covariance"]["values"]),
+            ends=np.array([part["interval"] for part in parts]),
+            samples=np.array([row[:4] for row in content["draws"]["values"]]),
+            nuisances=MappingProxyType(nuisances),
+            influence=tuple(Influence(*map(e.get, without)) for e in content["influence"]),
+            **{name: content[name] for name in ("method", "chi2", "dof")},
+            **{name: tuple(content[name]) for name in ("residuals", "notes", "alarms")},
             **{"session_" + key: text for key, text in content["session"].items()},
         )
 

@@ -31,11 +31,10 @@ def rest_point(v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
     stops, v0 = f > 0.0, np.maximum(v0, 0.0)
     safe = np.where(stops, f, 1.0)
     w = np.where(stops, c * v0 / safe, 0.0)
-    small = np.abs(w) < REST_SERIES_LIMIT
-    large = np.where(small, 1.0, w)
-    log = np.log1p(large) / large
-    time = v0 / safe * np.where(small, polyval(w, SERIES_OF_TIME), log)
-    way = v0**2 / safe * np.where(small, polyval(w, SERIES_OF_WAY), (1.0 - log) / large)
+    large = np.where(np.abs(w) < REST_SERIES_LIMIT, REST_SERIES_LIMIT, w)
+    log = np.where(large == w, np.log1p(large) / large, polyval(w, SERIES_OF_TIME))
+    share = np.where(large == w, (1.0 - log) / large, polyval(w, SERIES_OF_WAY))
+    time, way = v0 / safe * log, v0**2 / safe * share
     return np.where(stops, time, np.inf), np.where(stops, way, np.inf)
 
 

@@ -49,7 +49,6 @@ def forged(folder, spoil):
         (lambda d: d.update(format=99), "format is 99.*install a newer one"),
         (lambda d: d.update(format=1), "format is 1.*writes it anew"),
         (lambda d: d["robot"].update(legs=4), "legs"),
-        (lambda d: d.update(method="robust"), "method is robust; .* joint or naive"),
         (lambda d: d["covariance"].update(values=[[1.0]]), "cannot reshape"),
     ],
 )
