@@ -35,16 +35,28 @@ def level_run(
 ) -> tuple[Crawl, Array]:
     """Return a crawl there or back as on level ground, any other as it is; and the slope's doubt.
 
-    servo: what moves the joints; None: they follow the gait. The doubt is the speeds over this one
-    on samples of the slope, (SLOPES,).
+    servo: what moves the joints; None: they follow the gait. What the mean slope does is found with
+    it, for its ripple moves wheels that would stick. Its error is a share of what the slope does
+    there or back, the larger one: in which direction a robot crawls is known to some degrees. The
+    doubt is the speeds over this one on samples of the slope, (SLOPES,).
     """
-    if run.way == "level":
-        return run, slope_shares(fit, run, servo, floor_slope(session, {}), seed)
-    shares = slope_shares(fit, run, servo, floor_slope(session, fit.nuisances), seed)
-    mean = float(shares.mean())
-    speed = run.speed_m_s / mean
-    sigma = math.hypot(run.speed_sigma_m_s / mean, MODEL_SIGMA * (1.0 - mean) * speed)
-    return replace(run, speed_m_s=speed, speed_sigma_m_s=sigma, way="level"), shares / mean
+    is_level = run.way == "level"
+    slope = floor_slope(session, {} if is_level else fit.nuisances)
+    # the floor rises ahead of one that goes back
+    mean_rad, sigma_rad = (-1.0 if run.way == "there" else 1.0) * np.array(slope).T
+    shares = slope_shares(fit, run.gait, mean_rad, sigma_rad, seed)
+    if is_level:
+        return run, shares
+    driven = replace(run.commanded, offset_rad=run.gait.offset_rad) if servo else run.gait
+    level_m_s, slope_m_s, opposite_m_s = (
+        max(_crawl_speed(fit, driven, servo, factor * mean_rad), 1e-6)
+        for factor in (0.0, 1.0, -1.0)
+    )
+    share = max(slope_m_s / level_m_s, MIN_SHARE) * float(shares.mean())
+    largest = max(abs(speed / level_m_s - 1.0) for speed in (slope_m_s, opposite_m_s))
+    speed = run.speed_m_s / share
+    sigma = math.hypot(run.speed_sigma_m_s / share, MODEL_SIGMA * largest * speed)
+    return replace(run, speed_m_s=speed, speed_sigma_m_s=sigma), shares / shares.mean()
 
 
 def floor_slope(session: Session, nuisances: Mapping[str, Estimate]) -> Slope:
@@ -58,29 +70,21 @@ def floor_slope(session: Session, nuisances: Mapping[str, Estimate]) -> Slope:
 
 
 def slope_shares(
-    fit: FrictionFit, run: Crawl, servo: Servo | None, slope: Slope, seed: int = 2005
+    fit: FrictionFit, gait: Gait, mean_rad: Array, sigma_rad: Array, seed: int = 2005
 ) -> Array:
-    """Return a crawl's speeds over that on level ground, (SLOPES,), on samples of a floor's slope.
+    """Return a gait's speeds over that on a slope, (SLOPES,), on samples about it; ideal joints.
 
-    All crawls of a seed have the same samples. The floor rises ahead of one that goes "back". What
-    the mean slope does is found with the servo, whose ripple moves wheels that would stick; how the
-    samples differ from it, which costs more runs, with joints that follow.
+    mean_rad, sigma_rad: (2,), by what the ground rises ahead and to the left. All gaits of a seed
+    have the same samples.
     """
-    sign = -1.0 if run.way == "there" else 1.0
-    mean_rad, sigma_rad = sign * np.array(slope).T
-    speed_on = partial(_crawl_speed, fit, run.gait, None)
-    middle_m_s = max(speed_on(mean_rad), 1e-6)
+    middle_m_s = max(_crawl_speed(fit, gait, None, mean_rad), 1e-6)
     shares = np.ones(SLOPES)
-    for node, sample in zip(
-        NODES, np.random.default_rng(seed).normal(size=(2, SLOPES)), strict=True
-    ):
-        low, high = (speed_on(mean_rad + k * node * sigma_rad) / middle_m_s for k in (-1.0, 1.0))
+    normal = np.random.default_rng(seed).normal(size=(2, SLOPES))
+    for node, sample in zip(NODES, normal, strict=True):
+        ends_rad = mean_rad + np.outer((-1.0, 1.0), node * sigma_rad)
+        low, high = (_crawl_speed(fit, gait, None, end) / middle_m_s for end in ends_rad)
         nodes = sample / node.sum()
         shares *= 1.0 + (high - low) / 2 * nodes + ((high + low) / 2 - 1.0) * nodes**2
-    if mean_rad.any():
-        driven = replace(run.commanded, offset_rad=run.gait.offset_rad) if servo else run.gait
-        level_m_s = max(_crawl_speed(fit, driven, servo, np.zeros(2)), 1e-6)
-        shares *= _crawl_speed(fit, driven, servo, mean_rad) / level_m_s
     return np.maximum(shares, MIN_SHARE)
 
 
