@@ -120,6 +120,3 @@ def test_a_kind_is_made_of_servos() -> None:
     for one in ({"servo": math.inf}, {"servo": sn.Servo(), "drawn": (math.nan,)}):
         with refused(r"servo is a float; it must be a serpenoid\.Servo"):
             sn.ServoKind("x", **one)
-    for name in ("sigma", "updates_hz", "drawn"):
-        with refused(f"{name} is 0.1"):
-            sn.ServoKind("x", sn.Servo(), **{name: 0.1})
