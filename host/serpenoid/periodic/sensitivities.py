@@ -48,9 +48,7 @@ def changed_parts(parts: Parts, number: str, factor: float) -> Parts:
         part = part.scaled(**factors)
     else:
         part = replace(part, **{name: getattr(part, name) * f for name, f in factors.items()})
-    changed = list(parts)
-    changed[place] = part
-    return tuple(changed)  # type: ignore[return-value]
+    return *parts[:place], part, *parts[place + 1 :]  # type: ignore[return-value]
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,10 +91,16 @@ class Sensitivities(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as plain numbers, for JSON, by number."""
-        columns = "percent", "error", "less", "more"
-        rows = np.stack([self.percent, self.errors, self.less, self.more], axis=1).tolist()
-        values = [dict(zip(columns, row, strict=True)) for row in rows]
-        return dict(zip((name.replace(" ", "_") for name in NUMBERS), values, strict=True))
+        columns = {
+            "percent": self.percent,
+            "error": self.errors,
+            "less": self.less,
+            "more": self.more,
+        }
+        return {
+            number.replace(" ", "_"): {name: float(values[k]) for name, values in columns.items()}
+            for k, number in enumerate(NUMBERS)
+        }
 
 
 def speed_sensitivities(

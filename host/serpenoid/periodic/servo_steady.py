@@ -173,40 +173,24 @@ class ServoSteady(Result):
         share = 100 * self.joint_rate_over_no_load
         rows = [
             Row("servos", "", words=self.name),
-            *([] if self.follows and math.isnan(self.low_m_s) else [self._speed_row()]),
             Row("amplitude that joints reach", "%", 100 * self.amplitude_ratio),
             Row("lag of the joints", "deg", math.degrees(self.lag_rad)),
             Row("fastest joint rate, of the no-load speed", "%", share),
             detail("error of the speed, relative", "", self.error_estimate),
         ]
+        if not self.follows or not math.isnan(self.low_m_s):  # servos that move no robot: no speed
+            speed_m_s = self.speed_m_s if self.moves else math.nan
+            rows.insert(1, Row("speed, typical servo", "m/s", speed_m_s, *self._ends))
         if isinstance(self.servo, ServoKind):
             rows.append(Row("voltage at the plug", "V", words=self.servo.volts_in_words))
-            return [*rows, detail("source", "", words=self.servo.source)]
+            rows.append(detail("source", "", words=self.servo.source))
         return rows
-
-    def _speed_row(self) -> Row:
-        """Return the speed with its interval; without either where servos cannot move the robot."""
-        speed_m_s = self.speed_m_s if self.moves else math.nan
-        return Row("speed, typical servo", "m/s", speed_m_s, self.low_m_s, self.high_m_s)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as plain numbers, for JSON; None for what is not known."""
-        names = (
-            "speed_m_s",
-            "low_m_s",
-            "high_m_s",
-            "spread_m_s",
-            "error_estimate",
-            "amplitude_ratio",
-            "lag_rad",
-            "ripple_rad_s",
-            "power_w",
-            "turn_rad_per_cycle",
-            "joint_rate_over_no_load",
-            "follows",
-            "highest_hz",
-        )
-        values = {"name": self.name} | {name: getattr(self, name) for name in names}
+        derived = "low_m_s", "high_m_s", "joint_rate_over_no_load", "follows", "highest_hz"
+        names = "name", *self.__match_args__[2:10], *derived
+        values: dict[str, Any] = {name: getattr(self, name) for name in names}
         has_band = not math.isnan(self.low_m_s)
         return values if has_band else values | {"low_m_s": None, "high_m_s": None}
 
