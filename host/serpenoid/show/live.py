@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     from ..robot.wire.protocol import Telemetry
 
-FRAMES_A_TABLE = 5
-FRAMES_A_LINE = 50
 View = Callable[[DrivenRun], None]
 
 
@@ -33,7 +31,7 @@ def view(band: Any = None) -> Iterator[View]:
     """
     console = screen()
     if not console.is_terminal:
-        yield _thinned(FRAMES_A_LINE, lambda run, frame: print(line(run, frame), flush=True))
+        yield _thinned(50, lambda run, frame: print(line(run, frame), flush=True))
         return
     with Live(console=console, auto_refresh=False) as live:
 
@@ -42,7 +40,7 @@ def view(band: Any = None) -> Iterator[View]:
                 raise OSError(errno.EIO, "the terminal was closed")
             live.update(tables(run, frame, band), refresh=True)
 
-        yield _thinned(FRAMES_A_TABLE, show)
+        yield _thinned(5, show)
 
 
 def _thinned(frames: int, show: Callable[[DrivenRun, Telemetry], None]) -> View:

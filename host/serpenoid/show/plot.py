@@ -25,9 +25,7 @@ if TYPE_CHECKING:
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
 BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#555555"
-PURPLE = "#CC79A7"
-COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, "#56B4E9", "#8B6914", GREY)  # Of curves, in order.
-BELT_M_S = 1.0  # a fast belt: so far go lines of friction that are drawn without readings
+COLOURS = (BLUE, ORANGE, GREEN, RED, "#CC79A7", "#56B4E9", "#8B6914", GREY)  # Of curves, in order.
 STYLE: dict[str, Any] = {
     "figure.dpi": 110,
     "savefig.dpi": 160,
@@ -94,7 +92,7 @@ def draw_friction(
         ("bent", ("cn", "fn0"), "Across the links", RED),
     )
     for ax, (part, names, title, colour) in zip(axes, lines, strict=True):
-        axis, last_m_s = names[0][1], BELT_M_S
+        axis, last_m_s = names[0][1], 1.0  # a fast belt, m/s
         if session is not None:
             speed, force = friction_points(session, fit)[part]
             last_m_s = 1.08 * float(speed.max())

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
     from ..simulation.scene import Scene
 
-_POSES = 4
-
 
 def run_figure(run: Run, path: Path | None) -> Figure:
     """Draw the path seen from above, the speed, and the energy ledger where it was recorded.
@@ -71,7 +69,7 @@ def scene_words(scene: Scene) -> str:
 
 def _path(ax: Axes, turned: Run) -> None:
     draw_path(ax, turned)
-    for index in np.unique(np.linspace(0, turned.t_s.size - 1, _POSES).astype(int)):
+    for index in np.unique(np.linspace(0, turned.t_s.size - 1, 4).astype(int)):
         draw_links(ax, turned, int(index), 0.0, "#a0a0a0")
     title = f"path over the ground, {turned.t_s[-1]:g} s; grey: the snake, a dot on its head"
     ax.set_title(title, pad=22)

@@ -40,7 +40,7 @@ def screen(**options: Any) -> Console:
     return Screen(markup=False, emoji=False, **options)
 
 
-REPORT_S = 5.0  # between two lines on long work where nobody watches
+REPORT_S = 5.0  # Time between two lines on long work where nobody watches.
 
 
 @contextmanager

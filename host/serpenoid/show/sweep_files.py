@@ -15,7 +15,6 @@ AXES = {
     "beta_rad": ("beta_deg", math.degrees(1)),
     "omega_rad_s": ("frequency_hz", 1 / math.tau),
 }
-TURN = "turn_rad_per_cycle"
 
 
 def write_sweep(grid_states: Sweep, path: Path) -> None:
@@ -28,7 +27,7 @@ def write_sweep(grid_states: Sweep, path: Path) -> None:
         return
     scaled = [(arrays.pop(name) * factor).round(12) for name, (_, factor) in AXES.items()]
     columns = {
-        name.replace("turn_rad", "turn_deg"): np.degrees(v) if name == TURN else v
+        name.replace("turn_rad", "turn_deg"): np.degrees(v) if name.startswith("turn") else v
         for name, v in arrays.items()
     }
     columns["converged"] = columns["converged"].astype(int)

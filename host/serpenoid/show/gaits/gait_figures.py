@@ -23,7 +23,7 @@ from ..plot import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-TRAVELS_M_S = 1e-3  # a slower gait stays where it is
+TRAVELS_M_S = 1e-3  # Speed below which a gait stays where it is.
 
 
 def optimum_figure(best: Sequence[LeastPower], title: str, path: Path) -> None:

@@ -24,9 +24,7 @@ from ...simulation.run import Run
 from ...video.fitting.chain import lever_matrix
 
 Array = NDArray[np.float64]
-FRAMES_A_SECOND, MOST_FRAMES = 50, 3000
-STEP_S = 0.002  # of the chain: 0.3 % of a gait's speed, far below what a page shows
-SHORTEST_S, LONGEST_S = 1e-3, 10.0  # between two set-points; beyond a longer gap nobody knows
+MOST_FRAMES = 3000  # Rows that a page holds: a minute of 50 a second.
 
 
 def write_page(path: Path, title: str, about: str, shown: dict[str, Any]) -> None:
@@ -50,7 +48,7 @@ def write_page(path: Path, title: str, about: str, shown: dict[str, Any]) -> Non
 
 def of_run(run: Run) -> dict[str, Any]:
     """Return what the page shows of a run: at most MOST_FRAMES of its rows, evenly spaced."""
-    count = min(MOST_FRAMES, run.t_s.size, 2 + int(run.t_s[-1] * FRAMES_A_SECOND))
+    count = min(MOST_FRAMES, run.t_s.size, 2 + int(50 * run.t_s[-1]))
     rows = np.linspace(0, run.t_s.size - 1, count).astype(int)
     x_m, y_m, theta, vx, vy = (
         table[rows] for table in (run.x_m, run.y_m, run.theta_rad, run.vx_m_s, run.vy_m_s)
@@ -93,10 +91,10 @@ def follow(
     rows = np.ascontiguousarray(setpoint_rad, dtype=np.float64)
     chain.set_joints(rows[0].tolist())
     chain.place(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    lasts_s = np.clip(lasts_s, SHORTEST_S, LONGEST_S)
+    lasts_s = np.clip(lasts_s, 1e-3, 10.0)  # Nobody knows what a longer gap holds.
     states = []
     for k, duration_s in enumerate(lasts_s.tolist()):
-        if not len(chain.follow(rows[k + 1 : k + 2], duration_s, STEP_S)):
+        if not len(chain.follow(rows[k + 1 : k + 2], duration_s, 0.002)):
             raise NotConverged("the model came to no answer; are robot and friction sensible?")
         if k % stride == 0:
             states.append(chain.state[:6])

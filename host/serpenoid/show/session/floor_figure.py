@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from ...friction.result import FrictionFit
     from ...session.session import Session
 
-MOST_MM = 4.0  # of the residuals' axis, at least
-
 
 def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> None:
     """Draw ways over time with the law's line, and residuals; one colour a bend."""
@@ -33,7 +31,7 @@ def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> N
             axes[1].plot(t_s, 1000 * (way_m - law_m), **look)
             name = ""
     largest_m = [float(abs(way_m - law_m).max()) for _, _, way_m, law_m in paths]
-    limit_mm = max([MOST_MM, *(1100 * largest for largest in largest_m)])
+    limit_mm = max([4.0, *(1100 * largest for largest in largest_m)])
     axes[0].set(title="Positions (squares: back), and the law", ylabel="distance (m)")
     axes[1].set(title="Residuals", ylabel="position less the law (mm)", ylim=(-limit_mm, limit_mm))
     axes[1].axhline(0.0, color=GREY, lw=0.8)

@@ -11,19 +11,15 @@ from numpy.typing import NDArray
 
 from ...base.errors import BadInput
 from ...base.files import whole_file
+from ...video.seeing.edges import CELLS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 PAPERS_MM = {"a4": (210.0, 297.0), "letter": (215.9, 279.4)}
-MARGIN_MM = 12.0  # what no printer reaches
-HEAD_MM, FOOT_MM = 40.0, 26.0
-GAP_MM = 4.0
-CELLS = 6
-RULER_MM = 100
-BLACK, GREY = "black", "#777777"
+MARGIN_MM = 12.0  # Width of the rim that no printer reaches.
 WORDS = """\
-1. Print at 100 % ("actual size") on matt paper. The ruler below must be {} mm long, a black \
+1. Print at 100 % ("actual size") on matt paper. The ruler below must be 100 mm long, a black \
 square {:g} mm.
 2. Cut along the dashed lines: the white rim belongs to the tag.
 3. Put number 1 on the TAIL link, then 2, 3, ... to the head; in the middle of each link, flat, \
@@ -53,18 +49,18 @@ def tag_sheet(
     ax.axis("off")
     title = f"Tags for a robot of {len(cells)} links of {1e3 * link_m:g} mm"
     ax.text(MARGIN_MM, top, title, fontsize=13, va="top", weight="bold")
-    words = WORDS.format(RULER_MM, side_mm)
+    words = WORDS.format(side_mm)
     ax.text(MARGIN_MM, top - 8, words, fontsize=8.2, va="top", linespacing=1.45)
     for k, place in enumerate(places):
         _tag(ax, cells[k], k + 1, side_mm, *place)
     x, y = MARGIN_MM + 4, MARGIN_MM + 6
-    ticks_mm = np.arange(0, RULER_MM + 1, 10)
-    ax.hlines(y, x, x + RULER_MM, color=BLACK, lw=0.8)
-    ax.vlines(x + ticks_mm, y, y + 5, color=BLACK, lw=0.5)
+    ticks_mm = np.arange(0, 101, 10)
+    ax.hlines(y, x, x + 100, color="black", lw=0.8)
+    ax.vlines(x + ticks_mm, y, y + 5, color="black", lw=0.5)
     for mm in ticks_mm:
         ax.text(x + mm, y - 1, str(mm), fontsize=7, ha="center", va="top")
-    words = f"{RULER_MM} mm: check with a ruler before you cut"
-    ax.text(x + RULER_MM + 5, y, words, fontsize=8, va="bottom")
+    words = "100 mm: check with a ruler before you cut"
+    ax.text(x + 105, y, words, fontsize=8, va="bottom")
     with whole_file(path) as part:
         fig.savefig(part, dpi=300)
 
@@ -72,15 +68,15 @@ def tag_sheet(
 def _places(count: int, side_mm: float, paper: str) -> list[tuple[float, float]]:
     """Return the lower left corner of each tag's label, mm."""
     width, height = PAPERS_MM[paper]
-    label = side_mm * (CELLS + 2) / CELLS
-    step = label + GAP_MM
-    columns = int((width - 2 * MARGIN_MM + GAP_MM) // step)
-    rows = int((height - 2 * MARGIN_MM - HEAD_MM - FOOT_MM) // step)
+    step = side_mm * (CELLS + 2) / CELLS + 4.0
+    columns = int((width - 2 * MARGIN_MM + 4.0) // step)
+    # The words above take 40 mm, the ruler below 26 mm.
+    rows = int((height - 2 * MARGIN_MM - 66.0) // step)
     if columns * rows < count:
         raise BadInput(
             f"{count} tags of {side_mm:g} mm do not fit on {paper}; give a smaller --tag-mm"
         )
-    top = height - MARGIN_MM - HEAD_MM + GAP_MM
+    top = height - MARGIN_MM - 36.0
     return [(MARGIN_MM + k % columns * step, top - (k // columns + 1) * step) for k in range(count)]
 
 
@@ -90,13 +86,13 @@ def _tag(ax: Axes, white: NDArray[np.bool_], number: int, side: float, x: float,
 
     cell = side / CELLS
     label = side + 2 * cell
-    ax.add_patch(Rectangle((x, y), label, label, fill=False, ls=(0, (4, 3)), lw=0.5, ec=GREY))
-    ax.add_patch(Rectangle((x + cell, y + cell), side, side, fc=BLACK, lw=0))
+    ax.add_patch(Rectangle((x, y), label, label, fill=False, ls=(0, (4, 3)), lw=0.5, ec="#777777"))
+    ax.add_patch(Rectangle((x + cell, y + cell), side, side, fc="black", lw=0))
     rows, columns = np.nonzero(white)
     places = x + cell * (1 + columns), cell, cell, y + cell * (CELLS - rows)
     ax.bar(*places, align="edge", color="white", lw=0)
     # Small and pale enough to leave the black square's edge alone.
-    look = {"color": GREY, "ha": "center", "va": "center"}
+    look = {"color": "#777777", "ha": "center", "va": "center"}
     look["fontsize"] = max(3.0, 0.45 * cell / 25.4 * 72)
     ax.text(x + 0.5 * cell, y + 0.5 * cell, str(number), **look)
     ax.text(x + label - 0.5 * cell, y + 0.5 * label, "→", **look)
