@@ -5,13 +5,13 @@
 
 namespace serpenoid {
 
-bool Convex3::factor(const Mat3& H) {
+bool KinkedQuadratic3::factor(const Mat3& H) {
     factor_ = H;
     cholesky(factor_.data(), 3);
     return std::isfinite(factor_[8]);
 }
 
-Vec3 Convex3::apply_inverse(Vec3 x) const {
+Vec3 KinkedQuadratic3::apply_inverse(Vec3 x) const {
     forward(factor_.data(), 3, x.data());
     backward(factor_.data(), 3, x.data());
     return x;
@@ -19,7 +19,7 @@ Vec3 Convex3::apply_inverse(Vec3 x) const {
 
 // Minimum over the subspace of held kinks with the present signs, and the held kinks' multipliers:
 // H w + sum_free mu s g + G^T nu = b,  G w + e = 0. False when the held rows are dependent.
-bool Convex3::target(const Vec3& b, const std::vector<Kink>& kinks, Vec3& w) {
+bool KinkedQuadratic3::target(const Vec3& b, const std::vector<Kink>& kinks, Vec3& w) {
     Vec3 r = b;
     for (std::size_t c = 0; c < kinks.size(); ++c)
         if (!holds(static_cast<int>(c)))
@@ -52,8 +52,8 @@ bool Convex3::target(const Vec3& b, const std::vector<Kink>& kinks, Vec3& w) {
 
 // Go from w_ along p to the minimum of the whole function on the line. Returns the kink that stops
 // the move, or -1; `turned` tells whether kinks were crossed on the way (their signs are changed).
-int Convex3::line_search(const Mat3& H, const Vec3& p, const std::vector<Kink>& kinks,
-                         bool& turned) {
+int KinkedQuadratic3::line_search(const Mat3& H, const Vec3& p, const std::vector<Kink>& kinks,
+                                  bool& turned) {
     const Vec3 Hp = multiply(H, p);
     const double curvature = p[0] * Hp[0] + p[1] * Hp[1] + p[2] * Hp[2];
     turned = false;
@@ -89,7 +89,7 @@ int Convex3::line_search(const Mat3& H, const Vec3& p, const std::vector<Kink>& 
 }
 
 // Release the held kink whose multiplier exceeds its bound most; false when none does.
-bool Convex3::release(const std::vector<Kink>& kinks) {
+bool KinkedQuadratic3::release(const std::vector<Kink>& kinks) {
     int worst = -1;
     double limit = 1 + 1e-12;
     for (int a = 0; a < count_; ++a) {
@@ -106,7 +106,7 @@ bool Convex3::release(const std::vector<Kink>& kinks) {
 }
 
 // The minimum with the sets of the last call; true when it solves the whole problem.
-bool Convex3::warm_start(const Vec3& b, const std::vector<Kink>& kinks) {
+bool KinkedQuadratic3::warm_start(const Vec3& b, const std::vector<Kink>& kinks) {
     if (sign_.size() != kinks.size()) {
         sign_.assign(kinks.size(), 1.0);
         count_ = 0;
@@ -129,7 +129,7 @@ bool Convex3::warm_start(const Vec3& b, const std::vector<Kink>& kinks) {
     return right;
 }
 
-bool Convex3::solve(const Mat3& H, const Vec3& b, const std::vector<Kink>& kinks) {
+bool KinkedQuadratic3::solve(const Mat3& H, const Vec3& b, const std::vector<Kink>& kinks) {
     if (!factor(H)) return false;
     bool done = warm_start(b, kinks);
     const int limit = 50 + 20 * static_cast<int>(kinks.size());

@@ -26,7 +26,7 @@ struct Kink {
     double value(const Vec3& w) const { return g[0] * w[0] + g[1] * w[1] + g[2] * w[2] + e; }
 };
 
-class Convex3 {
+class KinkedQuadratic3 {
   public:
     // Solve from the sets of the last call. Returns false only when rounding makes it cycle.
     bool solve(const Mat3& H, const Vec3& b, const std::vector<Kink>& kinks);

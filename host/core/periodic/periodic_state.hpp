@@ -38,10 +38,10 @@ struct SteadyState {
     double power_error = 0;
     double positive_power_error = 0;
     double turn_error = 0;
-    Vec3 start{};        // u = (Vx, Vy, w) in the body frame at phase 0; m/s, m/s, rad/s
-    Mat3 monodromy{};    // d(state after a period)/d(state) in (Vx, Vy, L)
-    double slowest = 0;  // logarithm of the largest Floquet multiplier's size
-    double slowest_error = 0;
+    Vec3 start{};      // u = (Vx, Vy, w) in the body frame at phase 0; m/s, m/s, rad/s
+    Mat3 monodromy{};  // d(state after a period)/d(state) in (Vx, Vy, L)
+    double log_largest_multiplier = 0;  // logarithm of the largest Floquet multiplier's size
+    double log_multiplier_error = 0;
     bool converged = false;
 
     // A state of which nothing is known: every error is infinite.

@@ -38,7 +38,7 @@ std::optional<SteadyState> Refinement::report(const Orbit& orbit, double toleran
     Mat3 M = orbit.derivative;
     for (int i = 0; i < 9; ++i) M[i] *= scale[i / 3] / scale[i % 3];
     state.monodromy = monodromy_of(M, map_);
-    state.slowest = log_spectral_radius(state.monodromy);
+    state.log_largest_multiplier = log_spectral_radius(state.monodromy);
     if (map_.mirrored()) path = path.twice_mirrored();
     state.chord = path.length() / period;
     state.turn = path.turn;
@@ -97,7 +97,9 @@ void Refinement::state_errors(const Orbit& orbit, double tolerance, SteadyState&
         std::fabs(next.speed - coarse_.speed), std::fabs(next.power - coarse_.power),
         std::fabs(next.turn - coarse_.turn),
         // logarithms, either of which may be that of zero
-        next.slowest == coarse_.slowest ? 0 : std::fabs(next.slowest - coarse_.slowest)};
+        next.log_largest_multiplier == coarse_.log_largest_multiplier
+            ? 0
+            : std::fabs(next.log_largest_multiplier - coarse_.log_largest_multiplier)};
     const auto error = [&](double Change::* field, double remainder, double value) {
         const double sum =
             by_change * change.*field + by_last_change * last_change_.*field + remainder;
@@ -110,10 +112,12 @@ void Refinement::state_errors(const Orbit& orbit, double tolerance, SteadyState&
     next.turn_error = std::max(error(&Change::turn, radians, next.turn), kLeastTurn);
     // derivatives jump where the sequence of modes does: one change tells little of the next
     const double by_last = smooth ? 1 : 0.3;
-    next.slowest_error = std::max(kSlowest * change.slowest + by_last * last_change_.slowest,
-                                  kLeastSettling * options_.rtol * std::fabs(next.slowest));
+    next.log_multiplier_error = std::max(
+        kSlowest * change.log_largest_multiplier + by_last * last_change_.log_largest_multiplier,
+        kLeastSettling * options_.rtol * std::fabs(next.log_largest_multiplier));
     if (orbit.end.simultaneous_events)
-        next.slowest_error = std::max(next.slowest_error, std::fabs(next.slowest));
+        next.log_multiplier_error =
+            std::max(next.log_multiplier_error, std::fabs(next.log_largest_multiplier));
     last_change_ = first_ ? Change{} : change;
 }
 

@@ -20,7 +20,7 @@ class Refinement {
   private:
     // What changed from one level to the next.
     struct Change {
-        double speed = 0, power = 0, turn = 0, slowest = 0;
+        double speed = 0, power = 0, turn = 0, log_largest_multiplier = 0;
     };
     FixedPoint::Ended level(double tolerance, SteadyState& next);
     std::optional<SteadyState> report(const Orbit& orbit, double tolerance) const;

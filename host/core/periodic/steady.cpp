@@ -15,9 +15,9 @@ namespace {
 // is known to be small, but not how small.
 SteadyState within_rounding(SteadyState s) {
     constexpr double kLeast = -30;  // of its logarithm
-    if (s.slowest < kLeast) {
-        s.slowest = kLeast;
-        s.slowest_error = -kLeast;
+    if (s.log_largest_multiplier < kLeast) {
+        s.log_largest_multiplier = kLeast;
+        s.log_multiplier_error = -kLeast;
     }
     return s;
 }
@@ -65,8 +65,8 @@ SteadyState SteadyByPieces::at_rest(double omega, const SteadyOptions& options) 
     const SteadyState waving = SteadyByPieces(robot_, ground_, small).solve(omega, options);
     SteadyState state;
     state.monodromy = waving.monodromy;
-    state.slowest = waving.slowest;
-    state.slowest_error = waving.slowest_error;
+    state.log_largest_multiplier = waving.log_largest_multiplier;
+    state.log_multiplier_error = waving.log_multiplier_error;
     state.converged = true;
     return state;
 }
@@ -92,7 +92,7 @@ void SteadyByPieces::search_from_rest(CycleMap& map, FixedPoint& point, const Ac
         if (!point.follow_cycles(cycles, kSettled, kFollowing * tolerance, share)) continue;
         SteadyState state = Refinement(map, point, options)
                                 .refine(tolerance * first_tolerance(options.rtol), accepted);
-        if (!settled && state.slowest > 0) state.converged = false;
+        if (!settled && state.log_largest_multiplier > 0) state.converged = false;
         if (state.converged || accepted.excess(state) < accepted.excess(best)) best = state;
         if (best.converged) break;
     }

@@ -24,11 +24,16 @@ SteadyState steady_state(const SweepShape& shape, const SteadyOptions& options);
 
 // The columns of a sweep; one more is 1 where the state has converged, else 0.
 constexpr double SteadyState::* kSweepFields[] = {
-    &SteadyState::speed,       &SteadyState::power,
-    &SteadyState::abs_power,   &SteadyState::positive_power,
-    &SteadyState::turn,        &SteadyState::speed_error,
-    &SteadyState::power_error, &SteadyState::positive_power_error,
-    &SteadyState::slowest,     &SteadyState::slowest_error,
+    &SteadyState::speed,
+    &SteadyState::power,
+    &SteadyState::abs_power,
+    &SteadyState::positive_power,
+    &SteadyState::turn,
+    &SteadyState::speed_error,
+    &SteadyState::power_error,
+    &SteadyState::positive_power_error,
+    &SteadyState::log_largest_multiplier,
+    &SteadyState::log_multiplier_error,
 };
 constexpr std::size_t kSweepColumns = std::size(kSweepFields) + 1;
 

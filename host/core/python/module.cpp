@@ -81,13 +81,13 @@ std::vector<SteadyState> solve_neighbours(const Model& middle, const std::vector
     return states;
 }
 
-nb::dict evaluate_links(RunRequest& q, Vector links, Vector per_joint) {
-    q.start.assign(links.data(), links.data() + links.size());
-    Chain chain = start_chain(q);
-    Joints joints(q.robot.n);
-    if (q.drive == Drive::torque)
+nb::dict evaluate_links(RunRequest& request, Vector links, Vector per_joint) {
+    request.start.assign(links.data(), links.data() + links.size());
+    Chain chain = start_chain(request);
+    Joints joints(request.robot.n);
+    if (request.drive == Drive::torque)
         joints.T.assign(per_joint.data(), per_joint.data() + per_joint.size());
-    evaluate(q, per_joint.data(), chain, joints);
+    evaluate(request, per_joint.data(), chain, joints);
     nb::dict result;
     const std::pair<const char*, std::vector<double>*> parts[] = {
         {"ax", &chain.ax},        {"ay", &chain.ay},           {"alpha", &chain.alpha},
@@ -101,8 +101,8 @@ nb::dict evaluate_links(RunRequest& q, Vector links, Vector per_joint) {
     return result;
 }
 
-void set_torque_function(RunRequest& q, nb::callable f) {
-    q.torque = [f, n = q.robot.n](double t, double* torque) {
+void set_torque_function(RunRequest& request, nb::callable f) {
+    request.torque = [f, n = request.robot.n](double t, double* torque) {
         nb::gil_scoped_acquire acquire;
         std::copy_n(nb::cast<Vector>(f(t)).data(), n - 1, torque);
     };
@@ -116,15 +116,15 @@ bool keep_running(const nb::object& progress, double t) {
     return true;
 }
 
-nb::dict run_scene(RunRequest& q, Vector start, nb::object progress) {
-    q.start.assign(start.data(), start.data() + start.size());
-    q.keep_running = [&](double t) { return keep_running(progress, t); };
+nb::dict run_scene(RunRequest& request, Vector start, nb::object progress) {
+    request.start.assign(start.data(), start.data() + start.size());
+    request.keep_running = [&](double t) { return keep_running(progress, t); };
     RunResult r;
     {
         nb::gil_scoped_release release;
-        r = simulate(q);
+        r = simulate(request);
     }
-    const std::size_t T = r.t.size(), n = q.robot.n;
+    const std::size_t T = r.t.size(), n = request.robot.n;
     nb::dict result;
     const std::pair<const char*, std::vector<double>*> parts[] = {
         {"x_m", &r.x},
@@ -152,7 +152,9 @@ nb::dict run_scene(RunRequest& q, Vector start, nb::object progress) {
     return result;
 }
 
-void set_method(RunRequest& q, const std::string& name) { q.method = method_kind(name); }
+void set_method(RunRequest& request, const std::string& name) {
+    request.method = method_kind(name);
+}
 
 nb::list method_table() {
     nb::list rows;
@@ -195,24 +197,26 @@ void bind_run(nb::module_& m) {
         .def_rw("faults", &RunRequest::faults)
         .def_rw("locked_rad", &RunRequest::locked_rad)
         .def_prop_rw(
-            "method", [](const RunRequest& q) { return q.method.name; }, &set_method)
+            "method", [](const RunRequest& request) { return request.method.name; }, &set_method)
         .def_rw("most_steps", &RunRequest::most_steps)
         .def_rw("record_joints", &RunRequest::record_joints)
         .def_rw("record_friction", &RunRequest::record_friction)
         .def_rw("record_energy", &RunRequest::record_energy)
-        .def("set_slope", [](RunRequest& q, double gx, double gy) { q.slope = {gx, gy}; })
+        .def("set_slope",
+             [](RunRequest& request, double gx, double gy) { request.slope = {gx, gy}; })
         .def_rw("servo", &RunRequest::servo)
         .def("set_torque_function", &set_torque_function)
-        .def("set_torque_table", [](RunRequest& q, std::vector<double> t, std::vector<double> T) {
-            q.table = {std::move(t), std::move(T)};
-        });
+        .def("set_torque_table",
+             [](RunRequest& request, std::vector<double> t, std::vector<double> T) {
+                 request.table = {std::move(t), std::move(T)};
+             });
     std::vector<std::string> names;
     each_scene_field([&](const char* name, auto get) {
         using Value = std::remove_reference_t<decltype(get(std::declval<RunRequest&>()))>;
         names.push_back(name);
         request.def_prop_rw(
-            name, [get](RunRequest& q) { return get(q); },
-            [get](RunRequest& q, Value value) { get(q) = value; });
+            name, [get](RunRequest& request) { return get(request); },
+            [get](RunRequest& request, Value value) { get(request) = value; });
     });
     m.attr("SCENE_FIELDS") = nb::tuple(nb::cast(names));
     m.def("run", &run_scene, nb::arg(), nb::arg(), nb::arg().none());
@@ -273,8 +277,8 @@ NB_MODULE(_core, m) {
         .def_ro("power_error", &SteadyState::power_error)
         .def_ro("positive_power_error", &SteadyState::positive_power_error)
         .def_ro("turn_error", &SteadyState::turn_error)
-        .def_ro("slowest", &SteadyState::slowest)
-        .def_ro("slowest_error", &SteadyState::slowest_error)
+        .def_ro("log_largest_multiplier", &SteadyState::log_largest_multiplier)
+        .def_ro("log_multiplier_error", &SteadyState::log_multiplier_error)
         .def_ro("converged", &SteadyState::converged)
         .def_prop_ro("start", [](const SteadyState& s) { return in_tuple(s.start); })
         .def_prop_ro("monodromy", [](const SteadyState& s) { return in_tuple(s.monodromy); });

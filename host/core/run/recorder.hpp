@@ -13,11 +13,12 @@ namespace serpenoid {
 class Recorder {
   public:
     // `positive`: null where there is none.
-    Recorder(const RunRequest& q, System& system, Method& method, const PositiveWork* positive)
-        : q_(q), system_(system), method_(method), positive_(positive) {}
+    Recorder(const RunRequest& request, System& system, Method& method,
+             const PositiveWork* positive)
+        : request_(request), system_(system), method_(method), positive_(positive) {}
 
     void note(double t, const double* y, RunResult& result) {
-        const bool forces = q_.record_joints || q_.record_friction;
+        const bool forces = request_.record_joints || request_.record_friction;
         forces ? system_.forces(t, y) : system_.fill(t, y);
         if (forces) method_.give_forces(system_);
         const Chain& c = system_.chain();
@@ -28,9 +29,9 @@ class Recorder {
         append(result.vx, c.vx);
         append(result.vy, c.vy);
         append(result.omega, c.omega);
-        if (q_.record_joints) joints(result);
-        if (q_.record_friction) friction(result);
-        if (q_.record_energy) {
+        if (request_.record_joints) joints(result);
+        if (request_.record_friction) friction(result);
+        if (request_.record_energy) {
             double row[EnergyLedger::kColumns];
             system_.ledger_row(y, row);
             if (positive_) row[EnergyLedger::kColumns - 1] = positive_->until(t);
@@ -48,12 +49,14 @@ class Recorder {
         append(result.joint_torque, system_.joints().T);
     }
     void friction(RunResult& result) const {
-        for (int i = 0; i < q_.robot.n; ++i) {
-            result.friction_x.push_back(system_.chain().fx[i] - q_.robot.m * q_.slope.gx);
-            result.friction_y.push_back(system_.chain().fy[i] - q_.robot.m * q_.slope.gy);
+        for (int i = 0; i < request_.robot.n; ++i) {
+            result.friction_x.push_back(system_.chain().fx[i] -
+                                        request_.robot.m * request_.slope.gx);
+            result.friction_y.push_back(system_.chain().fy[i] -
+                                        request_.robot.m * request_.slope.gy);
         }
     }
-    const RunRequest& q_;
+    const RunRequest& request_;
     System& system_;
     Method& method_;
     const PositiveWork* positive_;

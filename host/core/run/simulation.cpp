@@ -32,28 +32,28 @@ bool bounded(const double* y, int dim) {
 class Run {
   public:
     // `positive`: null where none is to be found.
-    Run(const RunRequest& q, System& system, Method& method, Recorder& recorder,
+    Run(const RunRequest& request, System& system, Method& method, Recorder& recorder,
         PositiveWork* positive)
-        : q_(q),
+        : request_(request),
           system_(system),
           method_(method),
           recorder_(recorder),
           positive_(positive),
           y_(system.dim()),
           dense_(method.dense_order() > 0),
-          steps_unchecked_(std::clamp(512L / q.robot.n, 1L, 64L)),
+          steps_unchecked_(std::clamp(512L / request.robot.n, 1L, 64L)),
           unchecked_(steps_unchecked_),
           due_(recorded(1)) {}
 
     RunResult run() {
-        system_.set(start_chain(q_), y_.data());
+        system_.set(start_chain(request_), y_.data());
         system_.fill(0, y_.data());
         system_.latch();
         begin(0);
         recorder_.note(0, y_.data(), result_);
         double t = 0;
-        while (t < q_.duration && result_.why.empty() && result_.failed_at < 0) {
-            const double stop = std::min(system_.next_jump(t), q_.duration);
+        while (t < request_.duration && result_.why.empty() && result_.failed_at < 0) {
+            const double stop = std::min(system_.next_jump(t), request_.duration);
             if (t > 0) begin(t);
             smooth_part(stop);
             t = stop;
@@ -85,8 +85,8 @@ class Run {
 
     // The k-th recorded time: the end comes last.
     double recorded(long k) const {
-        const long long step = k * q_.record_steps;
-        return step >= q_.steps ? q_.duration : static_cast<double>(step) * q_.dt;
+        const long long step = k * request_.record_steps;
+        return step >= request_.steps ? request_.duration : static_cast<double>(step) * request_.dt;
     }
     bool note_until(double t) {
         if (!checked(t)) return false;
@@ -97,7 +97,7 @@ class Run {
             else
                 method_.dense(row_time, y_.data());
             recorder_.note(row_time, y_.data(), result_);
-            done_ = row_time >= q_.duration;
+            done_ = row_time >= request_.duration;
         }
         return true;
     }
@@ -108,23 +108,23 @@ class Run {
             return false;
         }
         if (!ask(t)) return give_up(t, "it was interrupted"), false;
-        if (result_.steps > q_.most_steps) return give_up(t, "it took too many steps"), false;
+        if (result_.steps > request_.most_steps) return give_up(t, "it took too many steps"), false;
         return true;
     }
     // Ask whether to go on, 50 times a second at most: the answer may be an exception.
     bool ask(double t) {
-        if (!q_.keep_running) return true;
+        if (!request_.keep_running) return true;
         const auto clock_time = std::chrono::steady_clock::now();
         if (clock_time < question_time_ + std::chrono::milliseconds(20)) return true;
         question_time_ = clock_time;
-        return q_.keep_running(t);
+        return request_.keep_running(t);
     }
     void give_up(double t, const char* why) {
         result_.failed_at = t;
         result_.why = why;
     }
 
-    const RunRequest& q_;
+    const RunRequest& request_;
     System& system_;
     Method& method_;
     Recorder& recorder_;
@@ -138,29 +138,29 @@ class Run {
 };
 
 // The method of a request's name, which steps a system.
-std::unique_ptr<Method> make_method(const RunRequest& q, System& system) {
-    const auto is = [&q](const char* name) { return q.method.is(name); };
-    if (is("rk4")) return std::make_unique<Rk4>(system, q.dt);
-    if (is("paper")) return std::make_unique<PaperScheme>(system, q.dt);
-    const std::vector<double> scale = error_scale(system, q);
-    if (is("dop853")) return std::make_unique<Dop853>(system, scale, q.tolerance);
-    if (is("radau")) return std::make_unique<Radau>(system, scale, q.tolerance);
-    if (q.formulation == Formulation::implicit)
-        return std::make_unique<StickSlip>(system, q.robot, q.ground, q.dt);
-    return std::make_unique<ModeSteps>(system, *system.sticking(), scale, mode_tolerance(q),
-                                       1e-12 / rate_unit(q));
+std::unique_ptr<Method> make_method(const RunRequest& request, System& system) {
+    const auto is = [&request](const char* name) { return request.method.is(name); };
+    if (is("rk4")) return std::make_unique<Rk4>(system, request.dt);
+    if (is("paper")) return std::make_unique<PaperScheme>(system, request.dt);
+    const std::vector<double> scale = error_scale(system, request);
+    if (is("dop853")) return std::make_unique<Dop853>(system, scale, request.tolerance);
+    if (is("radau")) return std::make_unique<Radau>(system, scale, request.tolerance);
+    if (request.formulation == Formulation::implicit)
+        return std::make_unique<StickSlip>(system, request.robot, request.ground, request.dt);
+    return std::make_unique<ModeSteps>(system, *system.sticking(), scale, mode_tolerance(request),
+                                       1e-12 / rate_unit(request));
 }
 
 }  // namespace
 
-RunResult simulate(const RunRequest& q) {
-    System system(q);
-    const std::unique_ptr<Method> method = make_method(q, system);
+RunResult simulate(const RunRequest& request) {
+    System system(request);
+    const std::unique_ptr<Method> method = make_method(request, system);
     std::optional<PositiveWork> positive;
-    if (q.record_energy && method->dense_order() > 0) positive.emplace(system, *method);
+    if (request.record_energy && method->dense_order() > 0) positive.emplace(system, *method);
     PositiveWork* const work = positive ? &*positive : nullptr;
-    Recorder recorder(q, system, *method, work);
-    return Run(q, system, *method, recorder, work).run();
+    Recorder recorder(request, system, *method, work);
+    return Run(request, system, *method, recorder, work).run();
 }
 
 }  // namespace serpenoid

@@ -24,7 +24,8 @@ class EnergyLedger {
     static constexpr int kHeat = 1;       // that of friction
     static constexpr int kColumns = 7;    // kinetic, spring, height, and the integrals
 
-    explicit EnergyLedger(const RunRequest& q) : slope_(q.slope), stiffness_(q.spring.k) {}
+    explicit EnergyLedger(const RunRequest& request)
+        : slope_(request.slope), stiffness_(request.spring.k) {}
     void leave_positive() { positive_ = false; }
 
     // Of the integrals, by the forces that the mechanics have.

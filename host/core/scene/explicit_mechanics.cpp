@@ -11,8 +11,8 @@ namespace {
 // All angles imposed. Coordinates: x, y, theta of link 1.
 class ExplicitAngle final : public Mechanics {
   public:
-    ExplicitAngle(const RunRequest& q, const Ground& ground)
-        : Mechanics(q, ground, 2, 1), drive(q.robot.n, q.gait) {}
+    ExplicitAngle(const RunRequest& request, const Ground& ground)
+        : Mechanics(request, ground, 2, 1), drive(request.robot.n, request.gait) {}
 
     void set(const Chain& c, double* y) const override {
         const double state[6] = {c.x[0], c.y[0], c.theta[0], c.vx[0], c.vy[0], c.omega[0]};
@@ -56,9 +56,9 @@ class ExplicitAngle final : public Mechanics {
 // the free joints' angles.
 class ExplicitMixed final : public Mechanics {
   public:
-    ExplicitMixed(const RunRequest& q, const Ground& ground, MixedDrive joint_drive,
+    ExplicitMixed(const RunRequest& request, const Ground& ground, MixedDrive joint_drive,
                   std::unique_ptr<TorqueSource> torques)
-        : Mechanics(q, ground, 2, 1 + joint_drive.free_joints()),
+        : Mechanics(request, ground, 2, 1 + joint_drive.free_joints()),
           drive(std::move(joint_drive)),
           source(std::move(torques)) {}
 
@@ -110,11 +110,11 @@ class ExplicitMixed final : public Mechanics {
 
 }  // namespace
 
-std::unique_ptr<Mechanics> make_explicit(const RunRequest& q, const Ground& ground,
+std::unique_ptr<Mechanics> make_explicit(const RunRequest& request, const Ground& ground,
                                          double gear_friction) {
-    if (!mixed(q)) return std::make_unique<ExplicitAngle>(q, ground);
-    return std::make_unique<ExplicitMixed>(q, ground, mixed_drive(q),
-                                           make_torques(q, gear_friction));
+    if (!mixed(request)) return std::make_unique<ExplicitAngle>(request, ground);
+    return std::make_unique<ExplicitMixed>(request, ground, mixed_drive(request),
+                                           make_torques(request, gear_friction));
 }
 
 }  // namespace serpenoid

@@ -21,15 +21,15 @@ double mean(const std::vector<double>& values) {
 // forces come in pairs.
 class ImplicitMechanics final : public Mechanics {
   public:
-    ImplicitMechanics(const RunRequest& q, const Ground& ground, MixedDrive joint_drive,
+    ImplicitMechanics(const RunRequest& request, const Ground& ground, MixedDrive joint_drive,
                       std::unique_ptr<TorqueSource> torques)
-        : Mechanics(q, ground, 2 * q.robot.n, 1 + joint_drive.free_joints()),
-          spring(q.spring),
-          damper(q.robot.n, q.method.holds_dampers),
+        : Mechanics(request, ground, 2 * request.robot.n, 1 + joint_drive.free_joints()),
+          spring(request.spring),
+          damper(request.robot.n, request.method.holds_dampers),
           drive(std::move(joint_drive)),
           source(std::move(torques)),
-          scratch(q.robot.n) {
-        gaps.resize(q.robot.n - 1);
+          scratch(request.robot.n) {
+        gaps.resize(request.robot.n - 1);
     }
 
     void set(const Chain& c, double* y) const override {
@@ -276,10 +276,10 @@ std::unique_ptr<StepEquations> ImplicitMechanics::step_equations() {
 
 }  // namespace
 
-std::unique_ptr<Mechanics> make_implicit(const RunRequest& q, const Ground& ground,
+std::unique_ptr<Mechanics> make_implicit(const RunRequest& request, const Ground& ground,
                                          double gear_friction) {
-    return std::make_unique<ImplicitMechanics>(q, ground, mixed_drive(q),
-                                               make_torques(q, gear_friction));
+    return std::make_unique<ImplicitMechanics>(request, ground, mixed_drive(request),
+                                               make_torques(request, gear_friction));
 }
 
 }  // namespace serpenoid

@@ -80,10 +80,13 @@ std::unique_ptr<Mechanics> make_implicit(const RunRequest& request, const Ground
 std::unique_ptr<TorqueSource> make_torques(const RunRequest& request, double gear_friction);
 
 // Whether any joint is not imposed: driven by a torque, limp or locked.
-inline bool mixed(const RunRequest& q) { return q.drive != Drive::angle || !q.faults.empty(); }
+inline bool mixed(const RunRequest& request) {
+    return request.drive != Drive::angle || !request.faults.empty();
+}
 
-inline MixedDrive mixed_drive(const RunRequest& q) {
-    return {q.robot.n, q.gait, q.drive == Drive::angle, q.faults, q.locked_rad, armature(q)};
+inline MixedDrive mixed_drive(const RunRequest& request) {
+    return {request.robot.n, request.gait,       request.drive == Drive::angle,
+            request.faults,  request.locked_rad, armature(request)};
 }
 
 }  // namespace serpenoid

@@ -44,46 +44,47 @@ struct RunRequest {
 };
 
 // The rotors of its servos, kg m^2; 0 for other drives.
-inline double armature(const RunRequest& q) {
-    return q.drive == Drive::servo ? q.servo.armature : 0;
+inline double armature(const RunRequest& request) {
+    return request.drive == Drive::servo ? request.servo.armature : 0;
 }
-inline double gear_friction(const RunRequest& q) {
-    return q.drive == Drive::servo ? q.servo.gear_friction : 0;
+inline double gear_friction(const RunRequest& request) {
+    return request.drive == Drive::servo ? request.servo.gear_friction : 0;
 }
 
 // Unit of a motion's rates, 1/s: that of the gait; with other drives at least 1.
-inline double rate_unit(const RunRequest& q) {
-    return q.drive == Drive::angle ? q.gait.omega : std::max(q.gait.omega, 1.0);
+inline double rate_unit(const RunRequest& request) {
+    return request.drive == Drive::angle ? request.gait.omega : std::max(request.gait.omega, 1.0);
 }
 
 // The tolerance inside a mode: its end magnifies the errors before it. Rounding grows with the
 // links. Joints that are driven by torques give way, and it need not be so tight.
-inline double mode_tolerance(const RunRequest& q) {
-    if (q.drive != Drive::angle) return q.tolerance;
-    const double n = q.robot.n;
+inline double mode_tolerance(const RunRequest& request) {
+    if (request.drive != Drive::angle) return request.tolerance;
+    const double n = request.robot.n;
     const double rounding = 1e-13 * std::max(1.0, n * n * n / 27);
-    return std::max(q.tolerance / 300, std::min(q.tolerance, std::sqrt(q.tolerance * rounding)));
+    return std::max(request.tolerance / 300,
+                    std::min(request.tolerance, std::sqrt(request.tolerance * rounding)));
 }
 
 // The fields that a Scene of Python has as plain numbers, under its names: handed over as they are.
 template <class Visit>
 void each_scene_field(const Visit& field) {
     using Q = RunRequest&;
-    field("joint_stiffness_n_m", [](Q q) -> double& { return q.spring.k; });
-    field("joint_damping_n_s_m", [](Q q) -> double& { return q.spring.c; });
-    field("dt_s", [](Q q) -> double& { return q.dt; });
-    field("tolerance", [](Q q) -> double& { return q.tolerance; });
-    field("duration_s", [](Q q) -> double& { return q.duration; });
-    field("steps", [](Q q) -> long long& { return q.steps; });
-    field("record_steps", [](Q q) -> long long& { return q.record_steps; });
+    field("joint_stiffness_n_m", [](Q request) -> double& { return request.spring.k; });
+    field("joint_damping_n_s_m", [](Q request) -> double& { return request.spring.c; });
+    field("dt_s", [](Q request) -> double& { return request.dt; });
+    field("tolerance", [](Q request) -> double& { return request.tolerance; });
+    field("duration_s", [](Q request) -> double& { return request.duration; });
+    field("steps", [](Q request) -> long long& { return request.steps; });
+    field("record_steps", [](Q request) -> long long& { return request.record_steps; });
 }
 
 // The chain at the start of a run, with its directions.
-inline Chain start_chain(const RunRequest& q) {
-    const int n = q.robot.n;
+inline Chain start_chain(const RunRequest& request) {
+    const int n = request.robot.n;
     Chain c(n);
     std::vector<double>* parts[6] = {&c.x, &c.y, &c.theta, &c.vx, &c.vy, &c.omega};
-    for (int p = 0; p < 6; ++p) std::copy_n(q.start.begin() + p * n, n, parts[p]->begin());
+    for (int p = 0; p < 6; ++p) std::copy_n(request.start.begin() + p * n, n, parts[p]->begin());
     c.directions();
     return c;
 }

@@ -19,25 +19,25 @@ constexpr double kCreep = 100;            // times at_rest: largest speed of a w
 constexpr double kOvershot = 1e3;  // times at_rest: largest speed of a wheel just after it reversed
 }  // namespace
 
-Sticking::Sticking(Mechanics& mechanics, const RunRequest& q)
+Sticking::Sticking(Mechanics& mechanics, const RunRequest& request)
     : mechanics_(mechanics),
       chain_(mechanics.chain),
-      along_(q.ground.along),
-      length_(2 * q.robot.l),
-      at_rest_(kAtRest * std::max(mode_tolerance(q), kLeastTolerance) * q.robot.n * length_ *
-               rate_unit(q)) {
-    const double force_scale =
-        q.robot.n * q.robot.m * q.robot.n * length_ * rate_unit(q) * rate_unit(q);
-    const WheelLaw& across = q.ground.across;
+      along_(request.ground.along),
+      length_(2 * request.robot.l),
+      at_rest_(kAtRest * std::max(mode_tolerance(request), kLeastTolerance) * request.robot.n *
+               length_ * rate_unit(request)) {
+    const double force_scale = request.robot.n * request.robot.m * request.robot.n * length_ *
+                               rate_unit(request) * rate_unit(request);
+    const WheelLaw& across = request.ground.across;
     for (int i = 0; i < chain_.n(); ++i) {
         if (along_.has_modes())
             contacts_.push_back(
                 {i, Kind::along, along_.bound(), along_.breakaway_ratio(force_scale)});
         if (across.has_modes()) contacts_.push_back({i, Kind::across, across.bound(), 1});
     }
-    for (int i = 0; i + 1 < chain_.n() && gear_friction(q) > 0; ++i)
-        if (q.faults.empty() || q.faults[i] == Fault::none)
-            contacts_.push_back({i, Kind::gear, gear_friction(q) / length_, 1});
+    for (int i = 0; i + 1 < chain_.n() && gear_friction(request) > 0; ++i)
+        if (request.faults.empty() || request.faults[i] == Fault::none)
+            contacts_.push_back({i, Kind::gear, gear_friction(request) / length_, 1});
     for (std::size_t w = 0; w < contacts_.size(); ++w) resting_.push_back(static_cast<int>(w));
 }
 
@@ -59,7 +59,7 @@ double Sticking::acceleration(const Contact& w) const {
 }
 
 // Add a force, a part of the bound, on a link in one of its directions or on a joint's drive.
-void Sticking::push(const Contact& w, double part) {
+void Sticking::add_force(const Contact& w, double part) {
     const int i = w.link;
     const double f = part * w.dry;
     if (w.kind == Kind::gear) {
@@ -92,7 +92,7 @@ void Sticking::slide(double t, const double* y) {
     mechanics_.load(t, y);
     for (const Contact& w : contacts_) {
         if (w.kind == Kind::along) add_ratchet(w);
-        if (w.sign != 0) push(w, -w.sign);
+        if (w.sign != 0) add_force(w, -w.sign);
     }
     mechanics_.accelerate();
     free_x_ = chain_.fx;
@@ -109,7 +109,7 @@ void Sticking::respond(const std::vector<int>& which) {
     for (std::size_t i = 0; i < k; ++i) free_acceleration_[i] = acceleration(contacts_[which[i]]);
     for (std::size_t j = 0; j < k; ++j) {
         release();
-        push(contacts_[which[j]], 1);
+        add_force(contacts_[which[j]], 1);
         mechanics_.accelerate();
         for (std::size_t i = 0; i < k; ++i) {
             const Contact& w = contacts_[which[i]];
@@ -127,7 +127,7 @@ void Sticking::respond(const std::vector<int>& which) {
 // Add share_ to the forces, and take the accelerations by all of them.
 void Sticking::hold(const std::vector<int>& which) {
     release();
-    for (std::size_t i = 0; i < which.size(); ++i) push(contacts_[which[i]], share_[i]);
+    for (std::size_t i = 0; i < which.size(); ++i) add_force(contacts_[which[i]], share_[i]);
     mechanics_.accelerate();
 }
 
@@ -230,7 +230,8 @@ void Sticking::margins(double t, const double* y, std::vector<double>& margin) {
     for (std::size_t i = 0; i < resting.size(); ++i) {
         Contact& w = contacts_[resting[i]];
         w.share = share_[i];
-        margin[resting[i]] = 1 + (all_hold ? 0 : w.grip * (1 - std::fabs(share_[i])) / kOverBound);
+        margin[resting[i]] =
+            1 + (all_hold ? 0 : w.breakaway_ratio * (1 - std::fabs(share_[i])) / kOverBound);
     }
 }
 

@@ -47,15 +47,15 @@ class Sticking {
     struct Contact {
         int link;  // of a gear: behind it
         Kind kind;
-        double dry;        // bound of its force, N
-        double grip;       // friction_law.hpp
-        int sign = 0;      // 0 rests, else which way it slides
-        double share = 0;  // of the bound, while it rests
-        double wrong = 0;  // speed against its sign at the start of the mode, m/s
+        double dry;              // bound of its force, N
+        double breakaway_ratio;  // friction_law.hpp
+        int sign = 0;            // 0 rests, else which way it slides
+        double share = 0;        // of the bound, while it rests
+        double wrong = 0;        // speed against its sign at the start of the mode, m/s
     };
     double speed(const Contact& w) const;
     double acceleration(const Contact& w) const;
-    void push(const Contact& w, double part);
+    void add_force(const Contact& w, double part);
     void release();
     void find_shares(double t, const double* y);
     void slide(double t, const double* y);

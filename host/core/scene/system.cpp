@@ -6,29 +6,29 @@
 
 namespace serpenoid {
 
-std::unique_ptr<TorqueSource> make_torques(const RunRequest& q, double gear_friction) {
-    if (q.drive == Drive::angle) return std::make_unique<NoTorque>();
-    if (q.drive == Drive::servo) {
-        Servo servo = q.servo;
+std::unique_ptr<TorqueSource> make_torques(const RunRequest& request, double gear_friction) {
+    if (request.drive == Drive::angle) return std::make_unique<NoTorque>();
+    if (request.drive == Drive::servo) {
+        Servo servo = request.servo;
         servo.gear_friction = gear_friction;
-        return std::make_unique<ServoTorque>(servo, q.gait, q.robot.n);
+        return std::make_unique<ServoTorque>(servo, request.gait, request.robot.n);
     }
-    if (!q.table.empty()) return std::make_unique<TableTorque>(q.table);
-    return std::make_unique<FunctionTorque>(q.torque);
+    if (!request.table.empty()) return std::make_unique<TableTorque>(request.table);
+    return std::make_unique<FunctionTorque>(request.torque);
 }
 
-System::System(const RunRequest& q) {
-    if (q.record_energy) ledger_.emplace(q);
-    if (q.formulation == Formulation::implicit) {
+System::System(const RunRequest& request) {
+    if (request.record_energy) ledger_.emplace(request);
+    if (request.formulation == Formulation::implicit) {
         // a method that makes the friction steps a system without
-        const Ground ground = q.method.makes_friction ? Ground{} : q.ground;
-        mechanics_ = make_implicit(q, ground, gear_friction(q));
-    } else if (q.method.makes_friction) {
-        const Ground smooth{{q.ground.along.viscous(0), 0}, {q.ground.across.c, 0}};
-        mechanics_ = make_explicit(q, smooth, 0);
-        sticking_ = std::make_unique<Sticking>(*mechanics_, q);
+        const Ground ground = request.method.makes_friction ? Ground{} : request.ground;
+        mechanics_ = make_implicit(request, ground, gear_friction(request));
+    } else if (request.method.makes_friction) {
+        const Ground smooth{{request.ground.along.viscous(0), 0}, {request.ground.across.c, 0}};
+        mechanics_ = make_explicit(request, smooth, 0);
+        sticking_ = std::make_unique<Sticking>(*mechanics_, request);
     } else {
-        mechanics_ = make_explicit(q, q.ground, gear_friction(q));
+        mechanics_ = make_explicit(request, request.ground, gear_friction(request));
     }
 }
 
@@ -60,13 +60,13 @@ void System::powers(double t, const double* y, std::vector<double>& power) {
     for (std::size_t i = 0; i < power.size(); ++i) power[i] = joint_power(*mechanics_, i);
 }
 
-std::vector<double> error_scale(const System& system, const RunRequest& q) {
+std::vector<double> error_scale(const System& system, const RunRequest& request) {
     const int m = system.coordinates();
-    const double body = 2 * q.robot.l * q.robot.n;
+    const double body = 2 * request.robot.l * request.robot.n;
     std::vector<double> scale(system.dim(), HUGE_VAL);
     for (int i = 0; i < m; ++i) {
         scale[i] = i < system.lengths() ? body : 1;
-        scale[m + i] = scale[i] * rate_unit(q);
+        scale[m + i] = scale[i] * rate_unit(request);
     }
     return scale;
 }

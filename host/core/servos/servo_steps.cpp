@@ -274,17 +274,17 @@ double ServoSteps::bound(const Contact& c, int mode, double h) const {
 // Find the impulses of all contacts, and u1.
 void ServoSteps::slide(double h) {
     free_ = right_;  // without what is dry
-    for (Contact& c : contact_) c.reached = false;
-    for (int look = 0; look < kMaxRevisions; ++look) {
+    for (Contact& c : contact_) c.has_response = false;
+    for (int revision = 0; revision < kMaxRevisions; ++revision) {
         for (Contact& c : contact_) c.impulse = bound(c, c.mode, h);
-        push();
-        if (!revise(h, look < kParallelRevisions)) break;
+        apply_impulses();
+        if (!revise(h, revision < kParallelRevisions)) break;
     }
-    if (turn_round(h)) push();
+    if (turn_round(h)) apply_impulses();
 }
 
 // u1 by the impulses of what slides, and by those that keep the rest at rest.
-void ServoSteps::push() {
+void ServoSteps::apply_impulses() {
     right_ = free_;
     resting_.clear();
     for (Contact& c : contact_) {
@@ -305,14 +305,14 @@ void ServoSteps::hold() {
     double trace = 0;
     for (int i = 0; i < k; ++i) {
         Contact& c = *resting_[i];
-        if (!c.reached) {
-            c.reach = c.row;
-            forward(mass_.data(), size_, c.reach.data());
+        if (!c.has_response) {
+            c.response = c.row;
+            forward(mass_.data(), size_, c.response.data());
         }
-        c.reached = true;
-        const double* a = c.reach.data();
+        c.has_response = true;
+        const double* a = c.response.data();
         pull_[i] = -dot(a, right_.data(), size_);
-        for (int j = 0; j <= i; ++j) gram_[j * k + i] = dot(a, resting_[j]->reach.data(), size_);
+        for (int j = 0; j <= i; ++j) gram_[j * k + i] = dot(a, resting_[j]->response.data(), size_);
         trace += gram_[i * k + i];
     }
     for (int i = 0; i < k; ++i) gram_[i * k + i] += kShare * trace;
@@ -322,7 +322,7 @@ void ServoSteps::hold() {
     for (int i = 0; i < k; ++i) {
         Contact& c = *resting_[i];
         c.impulse = pull_[i];
-        add(right_.data(), size_, c.impulse, c.reach.data());
+        add(right_.data(), size_, c.impulse, c.response.data());
     }
 }
 

@@ -1,4 +1,5 @@
-// A servo-driven robot in time steps that never look for events, for many cycles at little cost.
+// A servo-driven robot in time steps that never revision for events, for many cycles at little
+// cost.
 //
 // Velocities u = (V of the centre of mass, rate of every link), ground frame. A step of h takes the
 // links half a step on, and there solves the implicit midpoint rule
@@ -63,12 +64,12 @@ class ServoSteps {
 
   private:
     struct Contact {
-        std::vector<double> row, reach;    // g, and L^-1 g for masses L L^T
-        double forward = 0, backward = 0;  // N or N m, against either way
-        int mode = 0;                      // 1 or -1: the way it slides; 0 rests
-        double speed = 0;                  // at the start of the step
+        std::vector<double> row, response;  // g, and L^-1 g for masses L L^T
+        double forward = 0, backward = 0;   // N or N m, against either way
+        int mode = 0;                       // 1 or -1: the way it slides; 0 rests
+        double speed = 0;                   // at the start of the step
         double impulse = 0;
-        bool reached = false;  // in this step
+        bool has_response = false;  // in this step
         bool dry() const { return forward > 0 || backward > 0; }
     };
     void step(double h);
@@ -79,7 +80,7 @@ class ServoSteps {
     void drive(double h);
     void wheels(double h);
     void slide(double h);
-    void push();
+    void apply_impulses();
     void hold();
     bool revise(double h, bool all);
     bool turn_round(double h);

@@ -357,9 +357,12 @@ def from_core(robot: Robot, ground: Ground, gait: Gait, s: _core.SteadyState) ->
     """Return the core's answer for a gait as users see it."""
     error = relative_error(s.speed_error, s.speed, robot, gait)
     settling = math.inf, 0.0
-    if s.slowest < 0:
+    if s.log_largest_multiplier < 0:
         double_root_error = 3e-8  # root of rounding: error of two multipliers that nearly coincide
-        settling = gait.period_s / -s.slowest, (s.slowest_error + double_root_error) / -s.slowest
+        settling = (
+            gait.period_s / -s.log_largest_multiplier,
+            (s.log_multiplier_error + double_root_error) / -s.log_largest_multiplier,
+        )
     return Steady(
         robot,
         ground,

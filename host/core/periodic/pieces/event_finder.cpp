@@ -29,7 +29,8 @@ void EventFinder::set_margins(const SlidingMode& mode) {
     }
     for (int a = 0; a < mode.count; ++a) {
         const int wheel = mode.stuck[a];
-        const double unit = piece_.grip(wheel) / force_eps_, bound = piece_.law(wheel).bound();
+        const double unit = piece_.breakaway_ratio(wheel) / force_eps_,
+                     bound = piece_.law(wheel).bound();
         const double side = std::copysign(1 / bound, piece_.stage_force(kStages - 1, a));
         for (int j = 0; j <= kStages; ++j) {
             const double f = j == 0 ? piece_.stuck_force(a, 0) : piece_.stage_force(j - 1, a);
@@ -64,7 +65,7 @@ double EventFinder::end_of_wheel(const double* m, double limit) const {
 // looked for only where the force changes its sign.
 double EventFinder::end_of_rest(int wheel, double limit) const {
     const double* m = margin_[wheel].value;
-    const double between_bounds = 2 * piece_.grip(wheel) / force_eps_;
+    const double between_bounds = 2 * piece_.breakaway_ratio(wheel) / force_eps_;
     const double end = lowest_[wheel] < kBeyond ? end_of_wheel(m, limit) : limit;
     if (*std::max_element(m, m + kStages + 1) <= between_bounds / 2) return end;
     Lanes mirrored{};

@@ -38,7 +38,7 @@ class EventStep {
     double omega_, nm_, max_correction_ = 0;
     Vec3 scale_;
     SlidingPiece& piece_;
-    Convex3 convex_;
+    KinkedQuadratic3 convex_;
     std::vector<Kink> kinks_;
     std::vector<int> wheel_of_kink_;
     std::vector<double> apart_;      // by how much each kink is moved, below 1

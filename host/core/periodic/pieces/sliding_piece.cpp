@@ -48,8 +48,8 @@ SlidingPiece::SlidingPiece(const Robot& robot, const Ground& ground, const Gait&
       nm_(robot.n * robot.m),
       inverse_nm_(1 / nm_),
       law_{ground.along, ground.across},
-      grip_(law_[0].breakaway_ratio(nm_ * gait.omega * gait.omega * robot.l *
-                                    std::max(gait.alpha, 1e-9))),
+      breakaway_ratio_(law_[0].breakaway_ratio(nm_ * gait.omega * gait.omega * robot.l *
+                                               std::max(gait.alpha, 1e-9))),
       table_(robot.n, gait),
       stages_(robot, gait),
       viscous_(2 * robot.n),
@@ -205,10 +205,10 @@ void SlidingPiece::speeds(Lanes* wheel_speeds) const {
 
 double SlidingPiece::speed(int wheel, double x) {
     const double tau = tau_ + h_ * x;
-    aside_.set(robot_, table_, std::sin(tau), std::cos(tau), false);
-    const LinkShape& link = aside_.link[wheel / 2];
-    const Vec3 p = momenta(x),
-               u{p[0] * inverse_nm_, p[1] * inverse_nm_, (p[2] - omega_ * aside_.K) / aside_.J};
+    scratch_shape_.set(robot_, table_, std::sin(tau), std::cos(tau), false);
+    const LinkShape& link = scratch_shape_.link[wheel / 2];
+    const Vec3 p = momenta(x), u{p[0] * inverse_nm_, p[1] * inverse_nm_,
+                                 (p[2] - omega_ * scratch_shape_.K) / scratch_shape_.J};
     return (wheel % 2 ? link.n : link.t).speed(u.data(), omega_);
 }
 
@@ -277,7 +277,7 @@ double SlidingPiece::error(const Vec3& scale) {
                            : correction(s + 1, *mode_, velocity(node_[s + 1], momenta(kBetween)));
     double unbalanced = 0, force = 0, outweighs = 0, drifted = 0;
     for (int a = 0; a < mode_->count; ++a) {
-        const double bound = law(mode_->stuck[a]).bound() / grip(mode_->stuck[a]);
+        const double bound = law(mode_->stuck[a]).bound() / breakaway_ratio(mode_->stuck[a]);
         force = std::max(force, std::fabs(omega_ * x[a] - stuck_force(a, 0)) / bound);
         outweighs = std::max(outweighs, bound / (2 * omega_ * scale[0]));
     }

@@ -63,7 +63,7 @@ class SlidingPiece {
     const WheelLaw& law(int wheel) const { return law_[wheel % 2]; }
     bool has_modes() const { return law_[0].has_modes() || law_[1].has_modes(); }
     // The bound over the force that counts as little or much for a wheel that is held.
-    double grip(int wheel) const { return wheel % 2 ? 1 : grip_; }
+    double breakaway_ratio(int wheel) const { return wheel % 2 ? 1 : breakaway_ratio_; }
 
     // The least change of p, measured by kinetic energy, that puts the wheels that stick in a mode
     // at rest at a node, where the velocity is u.
@@ -110,10 +110,10 @@ class SlidingPiece {
     Robot robot_;
     double omega_, nm_, inverse_nm_;
     std::array<WheelLaw, 2> law_;  // along links, across them
-    double grip_;
+    double breakaway_ratio_;
     GaitTable table_;
     StageShape stages_;  // at the start, the stages, and a phase between them
-    BodyShape aside_;
+    BodyShape scratch_shape_;
     std::vector<double> viscous_, dry_;  // every wheel's coefficient, and force where it slides
     std::vector<Lanes> force_;
     std::array<Node, Lanes::kCount> node_;

@@ -81,12 +81,12 @@ class StageShape {
                  const Lanes* dry, Lanes* torque, Lanes* rate) {
         const double im = 1 / (robot_.n * robot_.m);
         for (int p = 0; p < lanes; p += kPack) {
-            set(aside_, tau.pack(p), true);
+            set(scratch_shape_, tau.pack(p), true);
             const Pack u[3] = {momenta[0].pack(p) * im, momenta[1].pack(p) * im,
-                               (momenta[2].pack(p) - omega_ * aside_.K) / aside_.J};
+                               (momenta[2].pack(p) - omega_ * scratch_shape_.K) / scratch_shape_.J};
             Pack force[3] = {};
             for (int i = 0; i < 2 * robot_.n; ++i) {
-                const auto& g = direction(aside_, i);
+                const auto& g = direction(scratch_shape_, i);
                 const Pack f = -dry[i].pack(p) - viscous[i] * g.speed(u, omega_);
                 friction_[i] = f;
                 force[0] += f * g.x;
@@ -94,8 +94,8 @@ class StageShape {
                 force[2] += f * g.r;
             }
             joint_powers(
-                robot_, aside_, omega_,
-                BodyMotionOf<Pack>::from_forces(robot_, aside_, omega_, u, force),
+                robot_, scratch_shape_, omega_,
+                BodyMotionOf<Pack>::from_forces(robot_, scratch_shape_, omega_, u, force),
                 [&](int i) { return std::pair(friction_[2 * i], friction_[2 * i + 1]); },
                 [&](int i, Pack T, Pack v) {
                     torque[i].pack(p) = T;
@@ -119,7 +119,7 @@ class StageShape {
     double omega_;
     GaitTable table_;
     std::array<BodyShapeOf<Pack>, Lanes::kCount / kPack> shape_;
-    BodyShapeOf<Pack> aside_;
+    BodyShapeOf<Pack> scratch_shape_;
     std::vector<Pack> friction_;
 };
 

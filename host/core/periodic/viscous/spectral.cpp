@@ -133,17 +133,19 @@ SteadyState SpectralViscous::state_of(const SteadyOptions& options, const Soluti
         moved = std::max(moved, std::fabs(step));
     }
     const double large = largest(fine.transfer), J = nodes_[level_][0].shape.J[0];
-    state.slowest = 2 * log_spectral_radius(half);
-    const double error = std::fabs(state.slowest - 2 * log_spectral_radius(fine.transfer)) +
-                         fine.residual * std::fabs(state.slowest);
+    state.log_largest_multiplier = 2 * log_spectral_radius(half);
+    const double error =
+        std::fabs(state.log_largest_multiplier - 2 * log_spectral_radius(fine.transfer)) +
+        fine.residual * std::fabs(state.log_largest_multiplier);
     for (int i = 0; i < 2; ++i) {
         half[3 * i + 2] /= J;
         half[6 + i] *= J;
     }
     state.monodromy = multiply(half, half);
-    state.slowest_error = 4 * error + (large > 0 ? moved / large / 4 : 0);
+    state.log_multiplier_error = 4 * error + (large > 0 ? moved / large / 4 : 0);
     state.converged =
-        (options.rough || state.slowest_error <= kSlowest * std::fabs(state.slowest)) &&
+        (options.rough ||
+         state.log_multiplier_error <= kSlowest * std::fabs(state.log_largest_multiplier)) &&
         state.positive_power_error <= state.positive_power * std::max(options.rtol, kPositive) &&
         Acceptance(options, robot_, ground_, omega)(state);
     return state;
