@@ -26,6 +26,14 @@ FILE_WORDS = {  # answers to steps that a file answers, too
     "push": "its film or track (of Tracker, Kinovea, CSV)",
     "gait": "its film",
 }
+ROBOT_WORDS = (
+    "Left and right keys bend every joint a little, at every prompt: where the robot turns, steer "
+    "against it; each reading keeps the offset. Esc or space stops it, Ctrl-C stops it and leaves."
+)
+STEERING_WORDS = (
+    "Incline as for the first station, and raise the belt until the robot nearly holds its place: "
+    "on a level belt it is carried off. Steer until it runs straight by itself."
+)
 QUIT_WORDS = "Left. Everything read so far is kept; the same command goes on from here."
 
 
@@ -57,7 +65,7 @@ class Dialogue:
         self._say(WORDS)
         try:
             if self._robot is not None:
-                self._say("Esc or space stops the robot; Ctrl-C stops it and leaves.")
+                self._say(ROBOT_WORDS)
             while self._take_step():
                 pass
         except (Quit, EOFError):
@@ -140,9 +148,13 @@ class Dialogue:
         robot, bends = self._robot, "bends" if step.lambda_deg else "straightens"
         if step.kind in ("straight", "bend") and robot is not None:
             self._asker.confirm(f"Enter {bends} the robot (hands off): ", moves=True)
-            robot.pose(step.lambda_deg, self.journal.session.setup.plan.bend)
-            if step.kind == "straight":
-                self._steer(robot)
+            session = self.journal.session
+            robot.pose(step.lambda_deg, session.setup.plan.bend)
+            on_belt = session.setup.plan.on == "treadmill" and step.kind == "straight"
+            if on_belt and steering_rad(session) is None:
+                self._say(STEERING_WORDS)
+                with suppress(Skip):
+                    self._asker.confirm("Enter keeps the steering: ")
         elif step.kind == "straight":
             self._asker.confirm("Enter when it lies so: ")
         elif step.gait is not None and robot is not None:
@@ -154,25 +166,6 @@ class Dialogue:
             self._say(f"kept as reading {number}")
         if step.kind in ("station", "push"):
             self._show_fit(self.journal.session)
-
-    def _steer(self, robot: SessionRobot) -> None:
-        """Have the offset found that runs straight, before the first reading; it is kept."""
-        session = self.journal.session
-        if steering_rad(session) is not None:
-            return
-        if session.setup.plan.on == "floor":
-            return self._say(
-                "  Left and right keys bend every joint a little, at every prompt. Where a push "
-                "turns the robot, steer against it before the next; each push keeps the offset."
-            )
-        self._say(
-            "  Incline as for the first station, and raise the belt until the robot nearly holds "
-            "its place: on a level belt it is carried off. Left and right keys bend every joint a "
-            "little: steer until the robot runs straight by itself."
-        )
-        with suppress(Skip):
-            self._asker.confirm("  Enter keeps it: ")
-        return self._say(f"  every joint has {math.degrees(robot.offset_rad):+.2f} deg from now on")
 
     def _record(self, step: Step) -> int:
         """Ask for a step's reading and keep it; return its number, 0 where none is kept."""
@@ -195,8 +188,7 @@ class Dialogue:
         line = ""
         if step.kind in FILE_WORDS:
             question = self._asker.question(step.fields)
-            while not line:
-                line = self._asker.ask(f"  {FILE_WORDS[step.kind]}; or {question}: ")
+            line = self._asker.ask(f"  {FILE_WORDS[step.kind]}; or {question}: ")
             file = named_file(line)
             if file is not None and step.gait is not None:
                 return self._crawl(file[0], step)

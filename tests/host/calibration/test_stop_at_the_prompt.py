@@ -14,7 +14,7 @@ BELT = "without zero before"
 GAIT = f"{BELT}; plan.gait_runs = 1; " + "; ".join(
     f"without {key}" for key in ("straight", "bend 7.5", "bend 15", "bend 30")
 )
-STEER = "Enter keeps it: "
+STEER = "Enter keeps the steering: "
 POSE, INCLINE = "Enter straightens the robot (hands off): ", "the inclinometer shows (deg)"
 SPEED = "belt speed (m/s): "
 
