@@ -13,7 +13,6 @@ from .errors import BadInput
 # What is made of numbers (squares, quotients, products of several) must be finite as well. No
 # robot is larger than the universe (1e27 m) or lighter than an electron (1e-30 kg).
 LARGEST, SMALLEST = 1e30, 1e-30
-BLOCK_BYTES = 1 << 20  # of a file that is hashed
 
 # What a scene may choose from.
 FORMULATIONS = ("explicit", "implicit")
@@ -129,6 +128,6 @@ def sha256_of(path: Path) -> str:
     """Return a file's SHA-256 in hexadecimal digits; read in blocks, as films are large."""
     done = hashlib.sha256()
     with path.open("rb") as file:
-        while block := file.read(BLOCK_BYTES):
+        while block := file.read(1 << 20):
             done.update(block)
     return done.hexdigest()

@@ -15,7 +15,6 @@ Residuals = Callable[[Floats], Floats]
 # are one and the same.
 DIFFERENCE_STEP, SAME_DISTANCE = 1e-3, 0.05
 LOG_DENSITY_RANGE = 8.0  # maxima that are lower than the highest by more are left out
-MAX_EVALUATIONS = 60  # evaluations of least squares from a start
 
 
 class Maximum(NamedTuple):
@@ -63,7 +62,7 @@ def maxima(residuals: Residuals, starts: Floats) -> list[Maximum]:
         return np.vstack([(moved[:size] - moved[size:]).T / (2 * DIFFERENCE_STEP), np.eye(size)])
 
     reached = [
-        least_squares(with_prior, start, jac=jacobian, max_nfev=MAX_EVALUATIONS)  # pyright: ignore[reportArgumentType] (SciPy's stubs)
+        least_squares(with_prior, start, jac=jacobian, max_nfev=60)  # pyright: ignore[reportArgumentType] (SciPy's stubs)
         for start in starts
     ]
     reached.sort(key=lambda end: end.cost)

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.table import Table
 
-_WIDTH = 100  # characters of a printed result
-
 
 class Row(NamedTuple):
     """One line of a result; NaN stands for what it has not.
@@ -77,7 +75,7 @@ class Result:
     def __str__(self) -> str:
         from rich.console import Console
 
-        text = Console(width=_WIDTH, file=io.StringIO(), markup=False, emoji=False, highlight=False)
+        text = Console(width=100, file=io.StringIO(), markup=False, emoji=False, highlight=False)
         text.print(self.in_words(), table("", *self.table()), sep="\n")
         return text.file.getvalue().strip()  # type: ignore[attr-defined]
 

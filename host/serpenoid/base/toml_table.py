@@ -20,8 +20,6 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib  # pyright: ignore[reportMissingImports]
 
-MOST_TOML_BYTES = 1_000_000  # the parser reads some 2 MB a second
-
 
 @dataclass(frozen=True)
 class Table:
@@ -35,7 +33,7 @@ class Table:
     @classmethod
     def load(cls, path: Path) -> Table:
         """Read a whole file as its top table; raises BadInput."""
-        text = read_text(path, MOST_TOML_BYTES)
+        text = read_text(path, most_bytes=1_000_000)  # the parser reads some 2 MB a second
         try:
             return cls.parsed(text, path)
         except (ValueError, RecursionError) as error:  # ValueError: a number of 5000 digits, too

@@ -41,7 +41,6 @@ from .session import Session
 from .settings import changes
 from .track import PLACES, Samples, Track, typed_track
 
-LOCK = ".lock"
 Listed = tuple[str, Cells, str]  # kind, cells and comment
 
 
@@ -181,24 +180,22 @@ class Journal:
         self.rows = reading_rows(self.folder)
 
     def _take_lock(self) -> None:
-        path = self.folder / LOCK
+        path = self.folder / ".lock"
         try:
             self._lock = path.open("a+b", buffering=0)
-        except OSError as error:
-            raise RecordingFailed(f"{path}: {error.strerror}; is the folder yours?") from error
-        if not system.lock(self._lock.fileno()):
-            self._lock.seek(0)
-            holder = self._lock.read(20).decode("ascii", "replace").strip() or "unknown"
-            raise BadInput(
-                f"{self.folder}: process {holder} is writing to this session already; leave it "
-                "there, or end that one first"
-            )
-        try:
+            if not system.lock(self._lock.fileno()):
+                self._lock.seek(0)
+                holder = self._lock.read(20).decode("ascii", "replace").strip() or "unknown"
+                raise BadInput(
+                    f"{self.folder}: process {holder} is writing to this session already; leave it "
+                    "there, or end that one first"
+                )
             self._lock.truncate(0)
             self._lock.write(f"{os.getpid()}\n".encode())
         except OSError as error:
             raise RecordingFailed(
-                f"{path}: {error.strerror}: nothing could be kept; make room on the disk first"
+                f"{path}: {error.strerror}: nothing could be kept; is the folder yours, and is "
+                "there room on its disk?"
             ) from error
 
     def _append(
@@ -224,20 +221,20 @@ def append_line(path: Path, line: str) -> None:
     Raises RecordingFailed.
     """
     try:
-        file = path.open("r+b", buffering=0)
+        with path.open("r+b", buffering=0) as file:
+            size = file.seek(0, os.SEEK_END)
+            file.seek(max(size - 1, 0))
+            is_torn = file.read(1) not in (b"", b"\n")
+            data = (f"{TORN}\n" * is_torn + line).encode()
+            try:
+                if file.write(data) < len(data):
+                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+                os.fsync(file.fileno())
+            except OSError:
+                file.truncate(size)
+                raise
     except OSError as error:
-        raise RecordingFailed(f"{path}: {error.strerror}; nothing was written") from error
-    with file:
-        size = file.seek(0, os.SEEK_END)
-        file.seek(max(size - 1, 0))
-        data = (f"{TORN}\n" if file.read(1) not in (b"", b"\n") else "").encode() + line.encode()
-        try:
-            if file.write(data) < len(data):
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-            os.fsync(file.fileno())
-        except OSError as error:
-            file.truncate(size)
-            raise RecordingFailed(
-                f"{path}: {error.strerror}: this is not saved, all before it is; make room on the "
-                "disk, then type it again"
-            ) from error
+        raise RecordingFailed(
+            f"{path}: {error.strerror}: this is not saved, all before it is; make room on the "
+            "disk, then type it again"
+        ) from error

@@ -22,7 +22,6 @@ from .station import bend_in_words
 from .track import TRACK, Floats, Track
 
 WAYS = ("there", "back")
-SOURCES = ("rest", "film")  # what a push is known by: tape and watch, or a table of places
 FEWEST_SAMPLES = 3  # of a track, so that it tells a speed and how it falls
 MAX_PUSH_M_S = 3.0  # at the start; robots of this size are pushed at 0.3 to 1.5 m/s
 MAX_PUSH_M = 10.0  # until it rests
@@ -84,7 +83,7 @@ class Push(Observation):
     )
     time_sigma_s: float | None = number_field(0.0, 10.0, default=None)
     way: str = word_field(*WAYS)
-    source: str = word_field(*SOURCES, column="by")
+    source: str = word_field("rest", "film", column="by")
     bend: str = word_field(*BENDS)
     place: str = word_field()
     file_sha256: str = word_field()

@@ -104,13 +104,13 @@ def reading_row(name: str, cells: Cells, plan: Plan | None = None) -> dict[str, 
         if column not in (*fields, *words):
             columns = ", ".join([*fields, *([PLACES] if kind.columns == TRACK else [])])
             raise BadInput(f"unknown column {column!r}; a reading of kind {name} has {columns}")
-        text, usual = value if isinstance(value, str) else f"{value:.10g}", ""
+        text = value if isinstance(value, str) else f"{value:.10g}"
         field = fields.get(column)
         if field is not None and not field.is_number:
-            text, usual = field.read(text), field.usual_word
+            text = field.read(text)
         if column in row:
             row[column] = text
-        elif text != usual:
+        elif text:
             more.append(f"{column}={text}")
     return row | {"more": " ".join(more)}
 

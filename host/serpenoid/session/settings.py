@@ -29,9 +29,6 @@ from .declaration import (
 )
 
 FORMAT = 2
-PLACES = ("treadmill", "floor")  # where a plan is carried out
-PROVENANCE = ("measured", "regenerated", "simulated")
-MAX_GRAVITY_M_S2 = 30.0
 ASSUMED_LINK_KG = 0.0756  # of the 2005 robot, where nobody has weighed this one yet
 NOT_WEIGHED = 0.05  # relative standard deviation of a mass that is an assumption
 LATER = ("mass_kg", "supply_v")  # settings that may stay empty until somebody has measured them
@@ -52,7 +49,11 @@ class Provenance(SettingsTable):
     """The table [provenance]: where the readings come from."""
 
     kind: str = word_field(
-        *PROVENANCE, default=MISSING, note="measured, simulated, or regenerated from published fits"
+        "measured",
+        "regenerated",
+        "simulated",
+        default=MISSING,
+        note="measured, simulated, or regenerated from published fits",
     )
     source: str = text_field()
     note: str = text_field()
@@ -163,7 +164,7 @@ class Laboratory(SettingsTable):
     )
     place: str = text_field()
     people: str = text_field()
-    gravity_m_s2: float = number_field(high=MAX_GRAVITY_M_S2, open_low=True)
+    gravity_m_s2: float = number_field(high=30.0, open_low=True)
 
 
 def _planned_gaits(values: Any) -> tuple[Gait, ...]:
@@ -286,7 +287,9 @@ class Plan(SettingsTable):
     afterwards, each gait_runs times. bend: "balanced", or "zigzag" for a robot that is guided.
     """
 
-    on: str = word_field(*PLACES, note="treadmill; or floor: pushes instead of stations")
+    on: str = word_field(
+        "treadmill", "floor", note="treadmill; or floor: pushes instead of stations"
+    )
     push_lambda_deg: tuple[float, ...] = number_field(
         high=MAX_LAMBDA_DEG, default=(0.0, 20.0, 45.0)
     )

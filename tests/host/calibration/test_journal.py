@@ -132,7 +132,7 @@ def test_links_that_changed_after_readings_are_told(folder):
 
 
 def test_no_file_at_all_is_told(tmp_path):
-    with pytest.raises(RecordingFailed, match="nothing was written"):
+    with pytest.raises(RecordingFailed, match="this is not saved"):
         append_line(tmp_path / "none.csv", "x\n")
     with refused(r"no session here.*calibrate new"), Journal(tmp_path):
         pass
