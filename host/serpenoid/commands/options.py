@@ -188,8 +188,9 @@ def make_gait(typed: Values, base: sn.Gait | None = None) -> sn.Gait:
     if "frequency_hz" in values:
         del fields["omega_rad_s"]
     gait = sn.Gait.degrees(**fields | values)
-    joints = {"joint_gain": base.joint_gain, "joint_shift_rad": base.joint_shift_rad}
-    return replace(gait, **joints) if values else base
+    if not values:
+        return base
+    return replace(gait, joint_gain=base.joint_gain, joint_shift_rad=base.joint_shift_rad)
 
 
 def describe(gait: sn.Gait) -> Values:

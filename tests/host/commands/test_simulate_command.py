@@ -120,7 +120,6 @@ def test_the_answer_is_complete_and_the_files_too(tmp_path: Path) -> None:
         (f"{SHORT} --set record=work", "record is 'work'"),
         (f"{SHORT} --scene nowhere.toml", "nowhere.toml: No such file"),
         (f"{SHORT} --set joint_stiffness_n_m=5", "joint_stiffness_n_m would change nothing"),
-        (f"{SHORT} --set tolerance=1e-5", "tolerance would change nothing"),
         (f"{SHORT} --set ct=0.1,-1", "ct backwards is -1.0"),
         (f"{SHORT} --set ft0=0.1,0.2,0.3", "two: forwards, backwards"),
         (f"{SHORT} --incline-deg 100", "--incline-deg': 100.0 is not in the range"),
@@ -137,7 +136,6 @@ def test_an_accuracy_chooses_the_step_or_says_why_not() -> None:
     got = answer(f"{springs} 0.05")
     assert (got["formulation"], got["method"]) == ("implicit", "rk4")
     assert "the springs alone (k = 1000 N/m)" in serpenoid(f"{springs} 1e-6").stderr
-    assert "--accuracy chooses it" in serpenoid(f"{springs} 0.05 --set tolerance=1e-6").stderr
 
 
 def test_a_long_run_tells_how_far_it_is_where_nobody_watches(monkeypatch) -> None:

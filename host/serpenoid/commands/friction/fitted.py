@@ -90,7 +90,7 @@ def advise(
     `compare`: any hobby servo may move the joints unless --servo says which.
     """
     loaded, _, kind, notes = measured(session, servo, settings)
-    how = {"servo": kind} | chosen(settings, SAMPLES)
+    how: Values = {"servo": kind} | chosen(settings, SAMPLES)
     advice = busy("advising", lambda share: sn.advise(loaded, gaits, progress=share, **how))
     tell(advice, as_json, verbose, notes)
 
@@ -114,9 +114,9 @@ def compare(
     """
     from ...show import report
 
-    *loaded, kind, notes = measured(session, servo, settings)
-    how = {"gaits": gaits, "servo": kind} | chosen(settings, SAMPLES, AMPLITUDE)
-    compared = busy("comparing", lambda share: sn.compare(*loaded, progress=share, **how))
+    loaded, fit, kind, notes = measured(session, servo, settings)
+    how: Values = {"gaits": gaits, "servo": kind} | chosen(settings, SAMPLES, AMPLITUDE)
+    compared = busy("comparing", lambda share: sn.compare(loaded, fit, progress=share, **how))
     if figure is not None:
         compared.plot(figure)
         report.wrote(figure)

@@ -30,6 +30,11 @@ RESETS = {
     "brownout": "give the servos a supply of their own and join the grounds",
     "watchdog": "the program hung: flash the newest firmware; if it persists, report it",
 }
+TROUBLES = {  # what an error is about, and what was found
+    PortBusy: ("other programs", "in use"),
+    NoAnswer: ("greeting", "none"),
+    ProtocolMismatch: ("protocol", "another one"),
+}
 BOARD_COUNTS = ("damaged", "lost", "rxfull")
 HOST_COUNTS = ("damaged_lines", "missed_frames")
 LATE_US = 2000  # the firmware's own budget for the lateness of a frame (firmware/README.md)
@@ -62,9 +67,10 @@ def examine(
     """
     check_number("listen_s", listen_s, 0.2, 600.0)
     try:
-        yield from _port(port, listen_s, timeout_s)
+        yield from _robot(port, listen_s, timeout_s)
     except RobotError as error:
-        yield Finding("port", "fix", "not usable", str(error))
+        name, result = TROUBLES.get(type(error), ("port", "not usable"))
+        yield Finding(name, "fix", result, str(error))
     if pio := find_platformio():
         yield Finding("platformio", "ok", pio)
     else:
@@ -72,7 +78,7 @@ def examine(
         yield Finding("platformio", "note", "not installed", fix)
 
 
-def _port(port: str | None, listen_s: float, timeout_s: float) -> Iterator[Finding]:
+def _robot(port: str | None, listen_s: float, timeout_s: float) -> Iterator[Finding]:
     """Look whether the port is there, and who may open it, then at the board."""
     if port is not None and port.startswith("virtual"):
         yield Finding("port", "ok", f"{port}: the firmware in this process, no robot")
@@ -85,22 +91,11 @@ def _port(port: str | None, listen_s: float, timeout_s: float) -> Iterator[Findi
         yield Finding.judged("permission", f"to open {port}", may_open, ports.why_forbidden(port))
         if not may_open:
             return
-    yield from _board(port, listen_s, timeout_s)
-
-
-def _board(port: str, listen_s: float, timeout_s: float) -> Iterator[Finding]:
-    try:
-        with RobotBoard(port, timeout_s=timeout_s) as robot:
-            yield Finding("greeting", "ok", f"{robot.hello.board}, boot {robot.hello.boot}")
-            yield Finding("protocol", "ok", f"{PROTOCOL}, firmware {robot.hello.firmware}")
-            yield from _settings(robot.hello, robot.settings())
-            yield from _running(robot, listen_s)
-    except PortBusy as error:
-        yield Finding("other programs", "fix", "in use", str(error))
-    except NoAnswer as error:
-        yield Finding("greeting", "fix", "none", str(error))
-    except ProtocolMismatch as error:
-        yield Finding("protocol", "fix", "another one", str(error))
+    with RobotBoard(port, timeout_s=timeout_s) as robot:
+        yield Finding("greeting", "ok", f"{robot.hello.board}, boot {robot.hello.boot}")
+        yield Finding("protocol", "ok", f"{PROTOCOL}, firmware {robot.hello.firmware}")
+        yield from _settings(robot.hello, robot.settings())
+        yield from _running(robot, listen_s)
 
 
 def _settings(hello: Hello, settings: dict[str, float]) -> Iterator[Finding]:

@@ -81,7 +81,9 @@ def flash(
         raise BadInput(f"port is {port!r}, which has no flash memory; name a serial port")
     port = port or find_port()
     board = board or board_at(port)
-    check_joints(board, joints)
+    if not FEWEST_JOINTS <= joints <= MAX_JOINTS[board]:
+        limits = f"the {board} takes {FEWEST_JOINTS} to {MAX_JOINTS[board]}, a mega up to 12"
+        raise BadInput(f"joints is {joints}; {limits}")
     if not is_there(port):
         raise missing(port)
     command = [pio, "run", "-d", str(folder), "-e", board, "-t", "upload", "--upload-port", port]
@@ -97,13 +99,6 @@ def flash(
             "flashed? check --port"
         )
     return hello
-
-
-def check_joints(board: str, joints: int) -> None:
-    """Raise BadInput if a board cannot have so many joints."""
-    if not FEWEST_JOINTS <= joints <= MAX_JOINTS[board]:
-        limits = f"the {board} takes {FEWEST_JOINTS} to {MAX_JOINTS[board]}, a mega up to 12"
-        raise BadInput(f"joints is {joints}; {limits}")
 
 
 def build_flags(joints: int, output: str) -> str:
