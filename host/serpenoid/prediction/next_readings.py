@@ -90,7 +90,7 @@ def _stations(session: Session, estimate: MapEstimate) -> Candidates:
             )
             minutes = STATION_MIN + BEND_MIN * (angle != present_rad)
             place = {"lambda_rad": angle, "incline_rad": incline, "belt_speed_m_s": slip}
-            reading = Reading(bend=bend, **place)
+            reading = Reading(angle, incline, slip, bend=bend)
             yield NextReading("station", words, minutes, **place), (reading,)
 
 

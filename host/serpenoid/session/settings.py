@@ -100,7 +100,7 @@ class RobotTable(SettingsTable):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if None not in (self.wheels_kg, self.mass_kg) and self.wheels_kg >= self.mass_kg:
+        if self.wheels_kg and self.mass_kg and self.wheels_kg >= self.mass_kg:
             raise BadInput(
                 f"wheels_kg is {self.wheels_kg:g}; all wheels together weigh less than the whole "
                 f"robot, {self.mass_kg:g} kg; were they given in grams?"
@@ -126,7 +126,7 @@ class RobotTable(SettingsTable):
 
     def check_mass(self) -> None:
         """Raise BadInput for a mass that must have its unit: links are denser than any metal."""
-        if self.too_heavy:
+        if self.mass_kg and self.too_heavy:
             raise BadInput(
                 f"mass_kg is {self.mass_kg:g}; then a link of {self.link_length_m:g} m is heavier "
                 f"than solid metal. In grams? In kg it is {self.mass_kg / 1e3:g}. If it is right, "

@@ -5,10 +5,10 @@ from __future__ import annotations
 from ..base.errors import BadInput
 from ..session.declaration import Cells, Values
 from ..session.journal import Journal
-from ..session.push import TRACK, WAYS, Push
+from ..session.push import WAYS, Push
 from ..session.rows import DOUBTFUL
 from ..session.station import slips
-from ..session.track import Floats, Track
+from ..session.track import TRACK, Floats, Track
 from .track_look import Look, look_at, pushes_in
 
 
@@ -26,7 +26,7 @@ def keep_pushes(
     lambda_deg = float(cells.get("lambda_deg", 0.0))
     pieces = _pieces(track, slips(setup.plan.bend, lambda_deg, setup.robot.links))
     pushes = journal.session.kept_pushes if file else ()
-    used = {push.track.sha256: push for push in pushes if push.file_sha256 == file}
+    used = {push.track.sha256: push for push in pushes if push.track and push.file_sha256 == file}
     new = [sha256 for sha256 in pieces if sha256 not in used]
     sound_pushes = [sha256 for sha256 in new if not pieces[sha256][1].doubts]
     if used and not (sound_pushes and used.keys() <= pieces.keys()):
