@@ -1,7 +1,4 @@
-"""Sessions of pushes for tests: rolled out by an integration of their own, no code of the package.
-
-The slow truth: v' = -(A v + B) / m_e in steps of 0.1 ms, stopped where the speed passes 0.
-"""
+"""Sessions of pushes for tests: by the lab's rigid body, which shares no formula with the fit."""
 
 from __future__ import annotations
 
@@ -10,11 +7,16 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from serpenoid import Ground
+from serpenoid.lab.floor import Floor, Push
+from serpenoid.lab.recording import Camera, film
+from serpenoid.lab.robot import LabRobot, pose_of
+from serpenoid.model.bends import balanced_signs
 from serpenoid.taking.new_session import default_setup
 from simulated_sessions import MemoryRecord
 
 FT0, TRUTH = 0.14, (0.084, 1.2, 0.14, 0.27)
-MASS, G, STEP_S = 6 * 0.0756, 9.80665, 1e-4
+MASS = 6 * 0.0756
 WHEELS_KG = 0.036
 NEW = "calibrate new --defaults --on floor --surface parquet --mass-kg 0.454"
 
@@ -27,41 +29,17 @@ def floor_setup(wheels_kg=WHEELS_KG, **instruments):
     return replace(base, robot_table=body, plan=plan, instruments=tools)
 
 
-def forces(whole, bend_rad, rolling):
-    """Slope, dry force and inert mass, link by link, of + - 0 0 - +."""
-    ct, cn, ft0, fn0 = whole
-    slope = dry = inert = 0.0
-    for sign in (1, -1, 0, 0, -1, 1):
-        c, s = math.cos(sign * bend_rad), abs(math.sin(sign * bend_rad))
-        slope += (ct * c * c + cn * s * s) / 6
-        dry += (ft0 * c + fn0 * s) / 6
-        inert += MASS * (1 + rolling * c * c) / 6
-    return slope, dry, inert
-
-
-def rolled_out(v0, whole, bend_rad=0.0, slope_rad=0.0, rolling=0.0):
-    """Return times and ways until 0.4 s after it rests, by the midpoint rule."""
-    a, b, inert = forces(whole, bend_rad, rolling)
-    pull = b - MASS * G * math.sin(slope_rad)
-    v, x, ways = v0, 0.0, [0.0]
-    while v > 0.0:
-        half = v - STEP_S / 2 * (a * v + pull) / inert
-        after = v - STEP_S * (a * half + pull) / inert
-        x += STEP_S * half if after > 0.0 else v * v * inert / (2 * (a * v + pull))
-        v = after
-        ways.append(x)
-    ways += [x] * 4000
-    return STEP_S * np.arange(len(ways)), np.array(ways)
-
-
-def push_track(v0, whole, rng, sigma_m=0.001, direction_rad=0.3, **world):
-    """Return samples t, x, y of 30 pictures a second."""
-    t, way = rolled_out(v0, whole, **world)
-    at = np.arange(0.011, t[-1], 1 / 30)
-    along = np.interp(at, t, way)
-    x = along * math.cos(direction_rad) + sigma_m * rng.normal(size=len(at))
-    y = along * math.sin(direction_rad) + sigma_m * rng.normal(size=len(at))
-    return np.stack([at, x, y], axis=1)
+def push_track(
+    v0, whole, rng, sigma_m=0.001, direction_rad=0.3, bend_rad=0.0, slope_rad=0.0, rolling=0.0
+):
+    """Return samples t, x, y of 30 pictures a second; slope_rad: by which it rolls downhill."""
+    body = floor_setup().robot
+    robot = LabRobot.whole_body(body, Ground(*whole), rolling_kg=rolling * MASS)
+    track = Floor(robot, slope_rad).push(pose_of(balanced_signs(6), bend_rad), Push(v0))
+    rows = film(track, Camera(sigma_m=sigma_m), rng)
+    t, x, y = rows[rows[:, 0] > track.released_s, :3].T
+    c, s = math.cos(direction_rad), math.sin(direction_rad)
+    return np.stack([t - t[0], c * x - s * y, s * x + c * y], axis=1)
 
 
 def floor_session(
@@ -88,6 +66,7 @@ def floor_session(
                 sigma_m,
                 bend_rad=math.radians(bend),
                 rolling=rolling,
+                direction_rad=0.3 if way == "there" else 0.3 + math.pi,
                 slope_rad=slope_rad * (1 if way == "there" else -1),
             )
             cells = {
