@@ -14,7 +14,7 @@ from ..base.errors import Diverged
 from ..base.vectors import Array
 from ..model.link_state import LinkState
 from ..periodic.steady import FromRest, Motion, Steady
-from .core_run import start_state
+from .core_run import start_state, with_motion
 from .scene import Scene, exact_scene
 from .simulate import simulate
 
@@ -86,17 +86,10 @@ def _may_have_two_motions(state: Steady) -> bool:
 
 def _starts(scene: Scene) -> Iterator[LinkState]:
     """Yield the state at rest, then such that turn, or move along the tail, either way."""
-    rest_state = start_state(scene)
-    rate, heading = scene.gait.omega_rad_s, rest_state.theta_rad[0]
-    x_m, y_m = (v - v.mean() for v in (rest_state.x_m, rest_state.y_m))
+    rest_state, rate = start_state(scene), scene.gait.omega_rad_s
     for spin, push in ((0, 0), (_SPIN, 0), (-_SPIN, 0), (0, _PUSH), (0, -_PUSH)):
-        turn_rad_s, speed_m_s = spin * rate, push * scene.robot.body_length_m * rate
-        yield replace(
-            rest_state,
-            vx_m_s=rest_state.vx_m_s - turn_rad_s * y_m + speed_m_s * math.cos(heading),
-            vy_m_s=rest_state.vy_m_s + turn_rad_s * x_m + speed_m_s * math.sin(heading),
-            omega_rad_s=rest_state.omega_rad_s + turn_rad_s,
-        )
+        ahead_m_s = push * scene.robot.body_length_m * rate
+        yield with_motion(rest_state, ahead_m_s, 0.0, spin * rate)
 
 
 def _settled(scene: Scene, reported: Array, until: float) -> Array | None:

@@ -325,8 +325,13 @@ def exact_scene(scene: Scene, tolerance: float) -> Scene:
     """
     record = tuple(name for name in scene.record if name == "energy")
     bare = replace(scene, formulation="explicit", method="auto", record=record)
-    method = next(name for name in ("dop853", "nonsmooth", "rk4") if objection(name, bare) is None)
-    return replace(bare, tolerance=tolerance, method=method)
+    return replace(bare, tolerance=tolerance, method=most_accurate_method(bare))
+
+
+def most_accurate_method(scene: Scene) -> str:
+    """Return the method that gets a scene most accurate, of those that run it."""
+    names = "radau", "dop853", "nonsmooth"
+    return next(name for name in names if objection(name, scene) is None)
 
 
 def _ways_out(scene: Scene) -> str:

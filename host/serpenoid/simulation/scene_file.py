@@ -228,11 +228,10 @@ def _torque(table: Table) -> Any:
     if "t_s" not in table.values:
         return table.numbers("torque_nm")
     with located(table.heading):
-        return TorqueTable(np.array(table.numbers("t_s")), table.values["torque_nm"])
+        return TorqueTable(**table.values)
 
 
 def _start(table: Table) -> LinkState:
-    names = LinkState.__slots__
-    table.only(*names)
+    table.only(*LinkState.__slots__)
     with located(table.heading):
-        return LinkState(*(np.array(table.numbers(name)) for name in names))
+        return LinkState(**table.values)

@@ -17,14 +17,14 @@ from ..base.errors import Diverged, NotConverged, StepTooLarge
 from ..model.link_state import LinkState
 from .core_run import Progress, run_core, start_state
 from .run import Difference, Run, RunError, chatters, difference
-from .scene import METHODS, MIN_TOLERANCE, OwnChoice, Scene, default_method, exact_scene, objection
+from .scene import METHODS, MIN_TOLERANCE, OwnChoice, Scene, exact_scene, most_accurate_method
 from .stability import check_step, largest_stable_step_s
 
 SAFETY = 4.0  # estimated error over the difference from the finer run
 # Difference in body lengths and radians beyond which a third run checks it; so it does any
 # difference of a method that does not know sticking, because its error falls unevenly.
 CHECKED_SIZE = 1e-3
-MAX_LINK_STEPS = 10**8  # of a run that an accuracy asks for: some ten seconds
+MAX_ACCURATE_STEPS = 10**8  # links times steps of a run with an accuracy: some ten seconds
 REASONS = {
     "nonsmooth": "dry friction holds wheels: sticking must be exact",
     "dop853": "smooth motion, without springs that ring: high order at few steps",
@@ -138,7 +138,7 @@ def _accurate_run(scene: Scene, accuracy: float, progress: Progress | None) -> R
         if not error.settled:
             reason = f"finer runs do not agree; believe it up to t = {error.believed_s:.3g} s"
         tried = _finer(tried, min(max(worst / accuracy, 1.0), 1e2))
-        if not tried.adaptive and tried.steps * scene.robot.links > MAX_LINK_STEPS:
+        if not tried.adaptive and tried.steps * scene.robot.links > MAX_ACCURATE_STEPS:
             reason = f"its steps would have to be {tried.dt_s:.1g} s; leave the method open"
             break
     raise NotConverged(
@@ -150,22 +150,13 @@ def _first_try(scene: Scene, accuracy: float) -> tuple[Scene, str]:
     """Return the scene with the method and the step or tolerance to begin with, and why so."""
     chosen, why = scene, f"method {scene.method!r} was given"
     if isinstance(scene.method, OwnChoice):
-        method = _accurate_method(scene)
-        chosen, why = replace(scene, method=method), REASONS.get(method, "the scene's own method")
+        method = most_accurate_method(scene)
+        chosen, why = replace(scene, method=method), REASONS[method]
     chosen = replace(chosen, tolerance=max(accuracy / 10, 10 * MIN_TOLERANCE))
     if chosen.adaptive:
         return chosen, why
     longest_s = min(chosen.gait.period_s / 40, largest_stable_step_s(chosen) / 2)
     return with_shorter_steps(chosen, chosen.dt_s / longest_s), why
-
-
-def _accurate_method(scene: Scene) -> str:
-    """Return the method that gets a scene most accurate, of those that run it."""
-    if scene.formulation == "explicit":
-        return exact_scene(scene, scene.tolerance).method
-    smooth = () if scene.law == "dry" else ("radau", "dop853")
-    runs = (method for method in smooth if objection(method, scene) is None)
-    return next(runs, default_method(scene))
 
 
 def _finer(scene: Scene, factor: float) -> Scene:
