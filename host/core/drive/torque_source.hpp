@@ -28,11 +28,6 @@ class TorqueSource {
     virtual void enter(double, const Chain&) {}
 };
 
-class NoTorque final : public TorqueSource {
-  public:
-    void torques(double, const Chain& k, double* T) override { std::fill_n(T, k.n() - 1, 0.0); }
-};
-
 class FunctionTorque final : public TorqueSource {
   public:
     explicit FunctionTorque(TorqueFunction f) : f_(std::move(f)) {}

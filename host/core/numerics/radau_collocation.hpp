@@ -7,80 +7,60 @@
 #include <numbers>
 
 #include "numerics/dense.hpp"
-#include "numerics/gauss_rule.hpp"
 
 namespace serpenoid {
 
 // s stages, the last at the end: order 2s - 1 there, L-stable.
-//
-// Between the ends, u (the polynomial of degree s through the start and the stages) has the rate
-// of the system at the stages but not at the start: with the defect delta = u'(0) - f(0) its error
-// is, to leading order, h delta bump(x), bump(x) = integral of prod (1 - x/c_k) from 0 to x.
-// Subtracting it gains an order, and its size is an error estimate. bump vanishes at 1.
 template <int s>
 struct RadauRule {
     std::array<double, s> c;
     std::array<double, s * s> a;  // a[j*s + k] = integral of the k-th Lagrange polynomial, 0..c_j
-    std::array<double, s * s> rate;     // u'(c_j) = sum rate_jk (Y_k - y_0): the inverse of a
-    std::array<double, s> at0;          // those polynomials at 0
-    double bump_height;                 // largest |bump|
-    std::array<double, s> dense_scale;  // 1 / (c_k prod_j (c_k - c_j))
+    std::array<double, s * s> rate;  // u'(c_j) = sum rate_jk (Y_k - y_0): the inverse of a
 
     static const RadauRule& get() {
         static const RadauRule instance;
         return instance;
     }
 
-    double bump(double x) const {
-        const Gauss<s>& gauss = Gauss<s>::get();
-        double sum = 0;
-        for (int q = 0; q < s; ++q) {
-            double product = 1;
-            for (int k = 0; k < s; ++k) product *= 1 - x * gauss.c[q] / c[k];
-            sum += gauss.b[q] * product;
-        }
-        return x * sum;
-    }
-
-    // Weights of the stages, less the start, in u(x) - y_0.
-    std::array<double, s> dense(double x) const {
-        std::array<double, s> w;
-        for (int k = 0; k < s; ++k) {
-            w[k] = dense_scale[k] * x;
+    // Weights of the stages in a polynomial through them.
+    std::array<double, s> weights(double x) const {
+        std::array<double, s> w = scale_;
+        for (int k = 0; k < s; ++k)
             for (int j = 0; j < s; ++j)
                 if (j != k) w[k] *= x - c[j];
-        }
+        return w;
+    }
+
+    // Weights of the stages, less the start, in u(x) - y_0, u through the start, too.
+    std::array<double, s> dense(double x) const {
+        auto w = weights(x);
+        for (int k = 0; k < s; ++k) w[k] *= x * inverse_[k];
         return w;
     }
 
   private:
+    // The rule integrates powers below s exactly.
     RadauRule() {
-        const Gauss<s>& gauss = Gauss<s>::get();
         for (int k = 0; k < s; ++k) c[k] = node(s - 1 - k);
+        std::array<double, s * s> powers{}, integrals{};
         for (int k = 0; k < s; ++k) {
-            double product = c[k];
-            for (int j = 0; j < s; ++j) product *= j == k ? 1 : c[k] - c[j];
-            dense_scale[k] = 1 / product;
-            at0[k] = lagrange(k, 0);
-            for (int j = 0; j < s; ++j) {
-                a[j * s + k] = 0;
-                for (int q = 0; q < s; ++q)
-                    a[j * s + k] += c[j] * gauss.b[q] * lagrange(k, c[j] * gauss.c[q]);
+            double power = 1, product = 1;
+            for (int q = 0; q < s; ++q) {
+                powers[q * s + k] = power;
+                power *= c[k];
+                integrals[q * s + k] = power / (q + 1);
+                product *= q == k ? 1 : c[k] - c[q];
             }
+            scale_[k] = 1 / product;
+            inverse_[k] = 1 / c[k];
+        }
+        solve_dense<s, s>(powers.data(), integrals.data());
+        for (int k = 0; k < s * s; ++k) {
+            a[k] = integrals[k % s * s + k / s];
+            rate[k] = k % (s + 1) == 0;
         }
         auto of_rates = a;
-        for (int k = 0; k < s * s; ++k) rate[k] = k % (s + 1) == 0;
         solve_dense<s, s>(of_rates.data(), rate.data());
-        bump_height = 0;
-        for (int i = 1; i < 200; ++i)
-            bump_height = std::fmax(bump_height, std::fabs(bump(i / 200.0)));
-    }
-
-    double lagrange(int k, double x) const {
-        double product = 1;
-        for (int j = 0; j < s; ++j)
-            if (j != k) product *= (x - c[j]) / (c[k] - c[j]);
-        return product;
     }
 
     // The i-th zero of P_s - P_{s-1} from the right, by Newton's method; the first is the end.
@@ -103,6 +83,8 @@ struct RadauRule {
         }
         return (1 + x) / 2;
     }
+
+    std::array<double, s> scale_, inverse_;  // 1 / prod_j (c_k - c_j), 1 / c_k
 };
 
 // The polynomial through a start and its stages, in Newton's form.

@@ -42,7 +42,7 @@ class Recorder {
   private:
     void append(std::vector<double>& column, const std::vector<double>& row) const {
         // all rows at once: a column that grows is copied over and over
-        const auto rows = static_cast<std::size_t>(q_.steps / q_.record_steps + 2);
+        const auto rows = static_cast<std::size_t>(request_.steps / request_.record_steps + 2);
         if (column.empty()) column.reserve(rows * row.size());
         column.insert(column.end(), row.begin(), row.end());
     }

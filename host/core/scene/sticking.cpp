@@ -14,8 +14,10 @@ constexpr double kLeastTolerance = 1e-10;  // below it that speed is rounding
 constexpr double kOverBound =
     1e-6;  // of its bound: by how much the force exceeds it at the end of rest
 constexpr double kBackwards = 0.1;  // of at_rest: backward speed of a wheel at the end of its slide
-constexpr double kForceRounding = 1e-12;  // of its bound, in the sum of all forces on a contact
-constexpr double kCreep = 100;            // times at_rest: largest speed of a wheel that rests
+// Share of its bound by which rounding may leave the sum of all forces on a contact that rests.
+// With 1e-12 wheels that hold each other were let go and caught again, hundreds of times at once.
+constexpr double kForceRounding = 1e-8;
+constexpr double kCreep = 100;     // times at_rest: largest speed of a wheel that rests
 constexpr double kOvershot = 1e3;  // times at_rest: largest speed of a wheel just after it reversed
 }  // namespace
 

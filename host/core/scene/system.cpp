@@ -7,14 +7,15 @@
 namespace serpenoid {
 
 std::unique_ptr<TorqueSource> make_torques(const RunRequest& request, double gear_friction) {
-    if (request.drive == Drive::angle) return std::make_unique<NoTorque>();
     if (request.drive == Drive::servo) {
         Servo servo = request.servo;
         servo.gear_friction = gear_friction;
         return std::make_unique<ServoTorque>(servo, request.gait, request.robot.n);
     }
-    if (!request.table.empty()) return std::make_unique<TableTorque>(request.table);
-    return std::make_unique<FunctionTorque>(request.torque);
+    if (request.drive == Drive::torque && request.table.empty())
+        return std::make_unique<FunctionTorque>(request.torque);
+    const TorqueRows none{{0}, std::vector<double>(request.robot.n - 1)};
+    return std::make_unique<TableTorque>(request.drive == Drive::torque ? request.table : none);
 }
 
 System::System(const RunRequest& request) {

@@ -197,3 +197,20 @@ def test_a_wheel_that_turns_back_for_a_moment_is_seen() -> None:
     cycle = replace(scene, start=sn.simulate(scene).state(), duration_s=gait.period_s)
     loose = sn.simulate(replace(cycle, tolerance=1e-8))
     assert loose.theta_rad[-1] == pytest.approx(sn.simulate(cycle).theta_rad[-1], abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("kind", "seed", "tolerance"),
+    [("servo", 1003, 1e-3), ("servo", 1004, 1e-8), ("servo", 1023, 1e-6), ("full", 1017, 1e-3)],
+)
+def test_free_joints_run_to_the_end(kind: str, seed: int, tolerance: float) -> None:
+    """Explicit steps give way to implicit ones at a frame; wheels hold each other on gears."""
+    run = sn.simulate(replace(tc.free_case(kind, seed), tolerance=tolerance))
+    assert run.t_s[-1] == pytest.approx(0.6)
+
+
+def test_wheels_that_hold_each_other_are_held_at_once() -> None:
+    """Nearly all wheels rest at .95 s, more than are needed: shares within rounding hold them."""
+    held = replace(SCENE, drive="torque", torque=TORQUE, gait=gait_in_deg(30, 80, 5.0), record=())
+    for tolerance in (1e-2, 1e-3, 1e-6):
+        assert sn.simulate(replace(held, tolerance=tolerance)).steps < 150

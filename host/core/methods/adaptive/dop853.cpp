@@ -20,6 +20,8 @@ Dop853::Dop853(System& system, const std::vector<double>& scale, double toleranc
       z_(dim_),
       k_(kAll * dim_),
       dense_(7 * dim_) {
+    constexpr double kFirstStep = 0.01;  // of the motion's unit of time
+    h_next_ = kFirstStep * scale[0] / scale[system.coordinates()];
     for (int i = 0; i < dim_; ++i) weight_[i] = 1 / (scale[i] * tolerance);
 }
 
@@ -32,13 +34,6 @@ void Dop853::restart(double t, const double* y) {
     stiff_steps_ = 0;
     std::copy_n(y, dim_, y_.begin());
     system_.rate(t, y, k(kStages));
-    h_next_ = 0;
-}
-
-void Dop853::restart_with_step(double t, const double* y) {
-    const double pace = h_next_;
-    restart(t, y);
-    h_next_ = pace;
 }
 
 // y_old + h (the row's sum of rates); zeros of the table are gone at compile time.
@@ -64,15 +59,6 @@ void Dop853::stages(double h) {
     combine<kStages>(h, y_.data());
 }
 
-double Dop853::norm(const double* v) const {
-    double largest = 0, check = 0;
-    for (int i = 0; i < dim_; ++i) {
-        largest = std::max(largest, std::fabs(v[i]) * weight_[i]);
-        check += v[i] * 0;
-    }
-    return largest + check;  // the maximum alone would pass over NaN
-}
-
 // Over the tolerance: 1 is just acceptable.
 double Dop853::error(double h) const {
     double e3 = 0, e5 = 0, check = 0;
@@ -91,18 +77,6 @@ double Dop853::error(double h) const {
     return e5 > 0 ? h * e5 * (e5 / std::hypot(e5, 0.1 * e3)) : 0;
 }
 
-// From the sizes of the rate and of its change over a short Euler step (HNW I, II.4).
-double Dop853::first_step(double t_limit) {
-    const double d1 = norm(k(kStages)) * tolerance_;
-    const double h0 = std::min(d1 > 1e-10 ? 0.01 / d1 : 1e-6, t_limit - t_);
-    for (int i = 0; i < dim_; ++i) z_[i] = y_[i] + h0 * k(kStages)[i];
-    system_.rate(t_ + h0, z_.data(), k(0));
-    for (int i = 0; i < dim_; ++i) z_[i] = k(0)[i] - k(kStages)[i];
-    const double d2 = norm(z_.data()) * tolerance_ / h0, largest = std::max(d1, d2);
-    const double h1 = largest > 1e-15 ? std::pow(0.01 * tolerance_ / largest, 1.0 / 8) : 1e3 * h0;
-    return std::min({100 * h0, h1, t_limit - t_});
-}
-
 // Whether stability, not accuracy, bounds the step. k(12) is at the end, k(11) at stage 11's guess
 // of it.
 bool Dop853::stiff(double h) {
@@ -118,9 +92,6 @@ bool Dop853::stiff(double h) {
 }
 
 StepOutcome Dop853::step(double t_limit) {
-    if (!(norm(k(kStages)) < std::numeric_limits<double>::infinity()))
-        return {false, "the rates are not finite numbers"};
-    if (h_next_ == 0) h_next_ = first_step(t_limit);
     std::copy_n(k(kStages), dim_, k(0));
     std::swap(y_old_, y_);
     t_old_ = t_;

@@ -25,9 +25,8 @@ class Dop853 final : public Method {
     // `scale`: what counts as 1 in each entry of the state.
     Dop853(System& system, const std::vector<double>& scale, double tolerance);
 
+    // With a first step as long as the next one would have been.
     void restart(double t, const double* y) override;
-    // The same, with a first step as long as the next one would have been.
-    void restart_with_step(double t, const double* y);
     StepOutcome step(double t_limit) override;
     double time() const override { return t_; }
     const double* state() const override { return y_.data(); }
@@ -45,8 +44,6 @@ class Dop853 final : public Method {
     void evaluate(double h) const;
     void stages(double h);
     double error(double h) const;
-    double norm(const double* v) const;
-    double first_step(double t_limit);
     bool stiff(double h);
     void finish_dense() const;
     double* k(int stage) const { return k_.data() + stage * dim_; }

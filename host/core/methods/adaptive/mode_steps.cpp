@@ -114,11 +114,7 @@ StepOutcome ModeSteps::step(double t_limit) {
         ended_ = t_;
         modes_.find(t_, y_.data());
         last_.reset();
-        // in steps as long as the last ones would have been
-        if (smooth_ == &stiff_)
-            stiff_.restart_with_step(t_, y_.data(), stiff_.next_step());
-        else
-            explicit_.restart_with_step(t_, y_.data());
+        smooth_->restart(t_, y_.data());
     }
     const double start = t_;
     const StepOutcome outcome = smooth_->step(t_limit);

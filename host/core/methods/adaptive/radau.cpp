@@ -126,12 +126,8 @@ void Radau::predict(double h) {
     for (int i = 0; i < kStages; ++i) {
         change_[i].assign(m_, 0.0);
         if (h_ == 0) continue;
-        const auto w = Rule::get().dense(1 + h / h_ * Rule::get().c[i]);
-        for (int j = 0; j < m_; ++j) {
-            change_[i][j] = y_old_[m_ + j] - y_[m_ + j];
-            for (int k = 0; k < kStages; ++k)
-                change_[i][j] += w[k] * (past_[k][m_ + j] - y_old_[m_ + j]);
-        }
+        dense(t_ + h * Rule::get().c[i], scratch_.data());
+        for (int j = 0; j < m_; ++j) change_[i][j] = scratch_[m_ + j] - y_[m_ + j];
     }
     set_stages(h);
 }

@@ -22,12 +22,14 @@ Nodes weights_to(double x) {
         for (int k = 0; k < s; ++k) b[k + 1] = rule.a[(s - 1) * s + k];
         return b;
     }
-    const Gauss<3>& gauss = Gauss<3>::get();  // exact for degree s
+    // Gauss' rule, exact for degree s: the nodes' distances from the middle, and weights
+    constexpr double kGauss[3][2] = {
+        {-0.3872983346207417, 5.0 / 18}, {0, 8.0 / 18}, {0.3872983346207417, 5.0 / 18}};
     b[0] = x;
-    for (int q = 0; q < 3; ++q) {
-        const auto w = rule.dense(x * gauss.c[q]);
+    for (const auto& [distance, weight] : kGauss) {
+        const auto w = rule.dense(x * (0.5 + distance));
         for (int k = 0; k < s; ++k) {
-            const double part = x * gauss.b[q] * w[k];
+            const double part = x * weight * w[k];
             b[k + 1] += part;
             b[0] -= part;
         }

@@ -257,13 +257,15 @@ Vec3 SlidingPiece::correction(int node, const SlidingMode& mode, const Vec3& u) 
 }
 
 // The error of the polynomial's rate at the start, without the part that the force of a stuck wheel
-// balances; the difference between that force and the one extrapolated from the stages; and the
-// drift of stuck wheels between the stages, which the rate does not show.
+// balances, times how far it leads: for a rate off by delta at the start the polynomial u is off by
+// h delta times the integral of prod (1 - x/c_k), whose largest value is kLed; the difference
+// between that force and the one extrapolated from the stages; and the drift of stuck wheels
+// between the stages, which the rate does not show.
 double SlidingPiece::error(const Vec3& scale) {
     constexpr double kForce = 0.02;  // an end of sticking shifts the motion by the square of it,
                                      // times how much that force outweighs inertia
     constexpr double kDrift = 0.3;   // in the mean
-    const Rule& rule = Rule::get();
+    constexpr double kLed = 0.0299;  // for five stages
     const Vec3 F = free_rate(node_[0], p0_, u_[0]), slope = rate(0);
     Vec3 Q, g[3]{};
     for (int i = 0; i < 3; ++i) Q[i] = (slope[i] - F[i]) / scale[i];
@@ -287,8 +289,8 @@ double SlidingPiece::error(const Vec3& scale) {
         drifted = std::max(drifted, std::fabs(drift[i]) / scale[i]);
     }
     drift_ = drifted * scale[0] * inverse_nm_;
-    return std::max({h_ * unbalanced * rule.bump_height,
-                     force * std::max(kForce, outweighs * force), kDrift * drifted});
+    return std::max(
+        {h_ * unbalanced * kLed, force * std::max(kForce, outweighs * force), kDrift * drifted});
 }
 
 Vec3 SlidingPiece::momenta(double x) const {
@@ -300,18 +302,9 @@ Vec3 SlidingPiece::momenta(double x) const {
     return p;
 }
 
-// Weights of the stages in what is of one degree less: rates and forces.
-std::array<double, SlidingPiece::s> SlidingPiece::rate_weights(double x) const {
-    const Rule& rule = Rule::get();
-    if (x == 0) return rule.at0;
-    auto w = rule.dense(x);
-    for (int j = 0; j < s; ++j) w[j] *= rule.c[j] / x;
-    return w;
-}
-
 Vec3 SlidingPiece::rate(double x) const {
     const auto& D = Rule::get().rate;
-    const auto w = rate_weights(x);
+    const auto w = Rule::get().weights(x);
     Vec3 r{};
     for (int k = 0; k < s; ++k) {
         double weight = 0;
@@ -330,7 +323,7 @@ Mat3 SlidingPiece::tangent(double x) const {
 }
 
 double SlidingPiece::stuck_force(int a, double x) const {
-    const auto w = rate_weights(x);
+    const auto w = Rule::get().weights(x);
     double sum = 0;
     for (int j = 0; j < s; ++j) sum += w[j] * lambda_[j][a];
     return sum;

@@ -103,7 +103,6 @@ class SlidingPiece {
     bool step();
     void set_stuck_forces();
     Vec3 stage_rate(int j) const;
-    std::array<double, s> rate_weights(double x) const;
     std::array<Vec3, 3> split(int j, int& constraints) const;
     Vec3 direction(int wheel, int j) const;
 
