@@ -107,10 +107,6 @@ class Asker:
         self._answers.append(answer)
         return answer
 
-    def question(self, fields: Sequence[Field]) -> str:
-        """Return what is asked for some numbers."""
-        return "; ".join(f"{f.words} ({bare_unit(f, self.belt_unit)})" for f in fields)
-
     def numbers(self, fields: Sequence[Field], line: str = "") -> Values:
         """Return the fields' numbers, by their columns; line: the answer that is there already.
 
@@ -119,7 +115,8 @@ class Asker:
         values = Values()
         for k, field in enumerate(fields):
             if not line and not (k and field.usual is not None):
-                line = self.ask(f"  {self.question(fields[k:])}: ")
+                words = [f"{f.words} ({bare_unit(f, self.belt_unit)})" for f in fields[k:]]
+                line = self.ask(f"  {'; '.join(words)}: ")
             values[field.column], line = first_number(line, field, self.belt_unit)
         if line:
             raise BadInput(f"{line!r} is too much; {count_text(len(fields), 'number')} will do")

@@ -22,9 +22,10 @@ from .terminal import Console
 from .track_files import read_track_file
 from .treadmill import record_step
 
-FILE_WORDS = {  # answers to steps that a file answers, too
-    "push": "its film or track (of Tracker, Kinovea, CSV)",
-    "gait": "its film",
+FILE_WORDS = {  # prompts of steps that a file answers, too
+    "push": "its film or track (of Tracker, Kinovea, CSV); or way (m), time (s) and turn (deg) "
+    "from the hand to rest",
+    "gait": "its film; or time (s) and distance between the marks (m)",
 }
 ROBOT_WORDS = (
     "Left and right keys bend every joint a little, at every prompt: where the robot turns, steer "
@@ -187,8 +188,7 @@ class Dialogue:
         """Return a step's numbers, or what a film or a table of its track shows."""
         line = ""
         if step.kind in FILE_WORDS:
-            question = self._asker.question(step.fields)
-            line = self._asker.ask(f"  {FILE_WORDS[step.kind]}; or {question}: ")
+            line = self._asker.ask(f"  {FILE_WORDS[step.kind]}: ")
             file = named_file(line)
             if file is not None and step.gait is not None:
                 return self._crawl(file[0], step)
