@@ -143,7 +143,8 @@ class Comparison(Plottable):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures by name; fit_alarms only where there are any."""
-        values = vars(self) | {"gaits": [gait.to_dict() for gait in self.gaits]}
+        values: dict[str, Any] = vars(self).copy()
+        values["gaits"] = [gait.to_dict() for gait in self.gaits]
         for name in ("friction", "amplitude"):
             values[name] = values[name] and asdict(values[name])
         values["servo"] = self.servo and self.servo.name
@@ -301,7 +302,7 @@ def _compared(
     )
 
 
-def _by_springs(fit: FrictionFit, gait: Gait) -> dict[str, float]:
+def _by_springs(fit: FrictionFit, gait: Gait) -> dict[str, Any]:
     """Return the implicit model's speed and its error; nothing where its springs never settle."""
     try:
         springs = steady_springs(fit.robot, fit.ground, gait, rtol=SPRINGS_RTOL)

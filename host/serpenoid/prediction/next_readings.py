@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -89,7 +90,11 @@ def _stations(session: Session, estimate: MapEstimate) -> Candidates:
                 f"inclinometer at {math.degrees(incline):.2f}°, belt near {slip:.2g} m/s"
             )
             minutes = STATION_MIN + BEND_MIN * (angle != present_rad)
-            place = {"lambda_rad": angle, "incline_rad": incline, "belt_speed_m_s": slip}
+            place: dict[str, Any] = {
+                "lambda_rad": angle,
+                "incline_rad": incline,
+                "belt_speed_m_s": slip,
+            }
             reading = Reading(angle, incline, slip, bend=bend)
             yield NextReading("station", words, minutes, **place), (reading,)
 
