@@ -188,7 +188,7 @@ def _joint(session: Session, estimate: MapEstimate, seed: int) -> FrictionFit:
     frictions = samples.x[:, :COUNT]
     ends = [narrowest(frictions[:, k], samples.weight_for(k), values[k]) for k in range(COUNT)]
     covariance = np.cov(frictions.T, aweights=samples.unlimited, ddof=0)
-    rows = posterior.residuals(estimate.x[None])[0]
+    shown = [kind.sizes(estimate.values) for kind in posterior.kinds]
     return FrictionFit(
         "joint",
         session.setup.robot,
@@ -196,10 +196,10 @@ def _joint(session: Session, estimate: MapEstimate, seed: int) -> FrictionFit:
         _beside_limits(covariance, values, np.array(ends)),
         np.array(ends),
         spread_samples(frictions, samples.weight, seed),
-        chi2=float(rows @ rows),
+        chi2=estimate.chi2,
         dof=int(np.sum(posterior.numbers >= 0)) - COUNT,
         nuisances=_nuisances(estimate, samples),
-        residuals=_shown_residuals(estimate, rows),
+        residuals=tuple(np.concatenate(shown).tolist()),
         session_name=session.setup.name,
         session_sha256=session.sha256,
     )
@@ -228,20 +228,6 @@ def _nuisances(estimate: MapEstimate, samples: Samples) -> MappingProxyType[str,
         sigma = float(np.sqrt(np.cov(sampled[name], aweights=samples.weight, ddof=0)))
         nuisances[name] = Estimate(float(value[0]), sigma)
     return MappingProxyType(nuisances)
-
-
-def _shown_residuals(estimate: MapEstimate, rows: Floats) -> tuple[float, ...]:
-    """Return one residual for each reading; of more than one row the root mean square."""
-    posterior, shown = estimate.posterior, dict[int, float]()
-    for number in posterior.readings:
-        residuals = rows[posterior.numbers == number]
-        size = float(np.sqrt(np.mean(residuals**2)))
-        shown[number] = size if len(residuals) > 1 else float(residuals[0])
-    for kind in posterior.kinds:
-        if isinstance(kind, Stations):
-            total = kind.whole_residuals(estimate.values)[0].tolist()
-            shown |= dict(zip(kind.numbers.tolist(), total, strict=True))
-    return tuple(shown.values())
 
 
 def _influences(
@@ -281,7 +267,7 @@ def _naive(session: Session) -> FrictionFit:
     samples = np.random.default_rng(2005).multivariate_normal(values, wider, KEPT_SAMPLES)
     posterior = posterior_of(session)
     start = posterior.by_name(posterior.start(values)[None])
-    residuals = stations.whole_residuals(start)[0]
+    residuals = stations.sizes(start)
     return FrictionFit(
         "naive",
         session.setup.robot,

@@ -165,6 +165,12 @@ class Pushes:
         changes = self.laws(values)[:, which] - law
         return np.asarray(offsets + np.einsum("krl,rl->kr", changes, slopes))
 
+    def sizes(self, values: Values) -> Floats:
+        """Return the root mean square (N,) of each push's residuals at values (1,)."""
+        which = self._linear_rows[0]
+        sums = np.bincount(which, self.residuals(values)[0] ** 2)
+        return np.sqrt(sums / np.bincount(which))
+
     @cached_property
     def _linear_rows(self) -> tuple[Integers, Floats, Floats, Floats]:
         """Return of each residual its push, and the law, offset and slopes of that."""

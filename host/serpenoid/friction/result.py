@@ -27,7 +27,7 @@ NO_ZERO = "The inclinometer's zero was not measured"
 DOUBTFUL = 0.01  # p-value below which the stated uncertainties and the readings do not agree
 TAILS = np.linspace(0.1, 0.9, 33) * (1.0 - LEVEL)  # shares below an interval that are tried
 KEPT_SAMPLES = 256
-SIX_DIGITS = "{:.6g}"  # how files keep a sample
+DECIMALS = 7  # decimals of a sample in files, N or N s/m
 
 
 def ground_of(links: int, frictions: Sequence[float]) -> Ground:
@@ -341,4 +341,4 @@ def spread_samples(x: Floats, weight: Floats, seed: int) -> Floats:
     steps = (np.arange(KEPT_SAMPLES) + np.random.default_rng(seed).random()) / KEPT_SAMPLES
     share = np.cumsum(weight[order])
     picked = order[np.searchsorted(share, steps * share[-1])]
-    return np.array([[float(SIX_DIGITS.format(v)) for v in row] for row in x[picked].tolist()])
+    return np.round(x[picked], DECIMALS)

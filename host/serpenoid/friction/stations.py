@@ -160,10 +160,10 @@ class Stations:
         excess, spread, _ = self._balance(values, shared)
         return np.asarray(excess / spread)
 
-    def whole_residuals(self, values: Values) -> Floats:
-        """Return residuals (K, N) over all that a reading errs by, its shared rounding too."""
+    def sizes(self, values: Values) -> Floats:
+        """Return residuals (N,) at values (1,), over all that errs, the shared rounding too."""
         excess, spread, per_incline = self._balance(values, 0.0)
-        return np.asarray(excess / np.hypot(spread, per_incline * self.shared_sigma_rad))
+        return np.asarray(excess / np.hypot(spread, per_incline * self.shared_sigma_rad))[0]
 
     @property
     def shared_sigma_rad(self) -> Floats:
