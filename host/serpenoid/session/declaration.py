@@ -117,11 +117,6 @@ class Field:
     def _quantity(self) -> tuple[Units, str]:
         return next(q for end, q in QUANTITIES.items() if self.column.endswith(end))
 
-    @property
-    def usual_word(self) -> str:
-        """Return what an empty cell of a word means."""
-        return self.choices[0] if self.choices else ""
-
     def unitless(self, value: Any) -> Any:
         """Return the number of a text such as "480 g" in the column's unit, others as they are."""
         if self.is_number and isinstance(value, str):
@@ -155,7 +150,7 @@ class Field:
     def read(self, text: str) -> Any:
         """Return a cell's word, or its number in SI; raises BadInput."""
         if not self.is_number:
-            return self.check(text or self.usual_word)
+            return self.check(text or next(iter(self.choices), ""))
         try:
             value: object = float(text)
         except ValueError:  # check says what is there instead of a number
@@ -182,10 +177,8 @@ def number_field(
 
 def word_field(*choices: str, default: Any = None, **more: Any) -> Any:
     """Declare a word or text, by default the first choice or none. more: as of a Field."""
-    limits = Field(choices=choices, **more)
-    return field(
-        default=limits.usual_word if default is None else default, metadata={"limits": limits}
-    )
+    usual = next(iter(choices), "") if default is None else default
+    return field(default=usual, metadata={"limits": Field(choices=choices, **more)})
 
 
 class Declared:
@@ -205,11 +198,6 @@ class Declared:
                 column = name.removesuffix("_rad") + "_deg" * name.endswith("_rad")
                 column = limits.column or column
                 cls.declared[name] = replace(limits, column=column, kind=kind)
-
-    @classmethod
-    def numbers(cls) -> dict[str, Field]:
-        """Return the fields that are numbers, by their columns."""
-        return {f.column: f for f in cls.declared.values() if f.is_number}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -237,7 +225,7 @@ class Observation(Declared, ABC):
     @classmethod
     def questions(cls, *columns: str) -> tuple[Field, ...]:
         """Return the numbers of some columns, of all unless given."""
-        numbers = cls.numbers()
+        numbers = {f.column: f for f in cls.declared.values() if f.is_number}
         return tuple(numbers[column] for column in columns or numbers)
 
     @classmethod
