@@ -18,7 +18,6 @@ from .declaration import (
     word_field,
 )
 from .settings import MAX_LAMBDA_DEG, MAX_PLACE_SIGMA_M
-from .station import bend_in_words
 from .track import TRACK, Floats, Track
 
 WAYS = ("there", "back")
@@ -125,7 +124,8 @@ class Push(Observation):
 
     def in_words(self) -> tuple[str, str]:
         """Return what it is, and its values."""
-        bend = bend_in_words(self.lambda_rad)
+        angle = math.degrees(self.lambda_rad)
+        bend = f", bend {angle:.4g}°" if angle else ", straight"
         where = f" at {self.place}" if self.place else ""
         what = f"push {self.way}{where}{bend}"
         if self.track is None:

@@ -207,11 +207,6 @@ class BeltCheck(Observation):
         )
 
 
-def bend_in_words(lambda_rad: float) -> str:
-    """Return how the robot lies: ", bend 20°" or ", straight"."""
-    return f", bend {math.degrees(lambda_rad):.4g}°" if lambda_rad else ", straight"
-
-
 def bent_share(bend: str, links: int) -> float:
     """Return which share of a robot's links is bent; raises BadInput where none can be."""
     if bend == "zigzag":
