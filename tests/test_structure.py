@@ -51,6 +51,7 @@ CORE_ROOMS = [
 NARROW = {
     "lab": r"(lab|servos|simulation|model|base)(\..*)?|robot\.wire\..*",
     "servos": r"(servos|model|base)(\..*)?",
+    "taking": r"(taking|session|lab|robot|servos|model|base)(\..*)?",
     "video": r"(video|model|base)(\..*)?|session\.(session|settings)",
 }
 # Libraries that are slow or optional: name -> the rooms that may import them.

@@ -50,9 +50,7 @@ ASSUMED_ZERO_SIGMA_DEG = 0.5
 # A reading of the belt's speed errs by the display's rounding, and as much by the drift that a
 # person reads off.
 DRIFT_SIGMA_M_S = 0.008
-# At the ends joints stand at twice this: it leaves 6 deg of 90 to trims and steering.
-STEEPEST_PUSH_DEG = 42.0
-PUSHES, GAIT_RUNS = 8, 2  # on a floor, in each bend; of each gait, on a floor there and back
+PUSHES = 8  # pushes on a floor in each bend
 # On a floor: away from the cliff, far from each other, and little moved by a slope. All planned
 # gaits are such that a typical hobby servo follows them at 4.8 V.
 CRAWLS = (
@@ -83,10 +81,10 @@ def default_setup(name: str) -> Setup:
             incline_start_deg=2.4,
             incline_step_deg=0.3,
             belt_speed_max_m_s=1.0,
-            gait_runs=GAIT_RUNS,
+            gait_runs=2,
             gaits=gaits,
             bend="balanced",
-            push_lambda_deg=(0.0, 20.0, STEEPEST_PUSH_DEG),
+            push_lambda_deg=(0.0, 20.0, 42.0),  # twice 42 leaves 6 deg to trims, steering
             pushes=PUSHES,
         ),
     )

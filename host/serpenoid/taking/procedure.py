@@ -64,15 +64,10 @@ PUSH = (
 )
 MAX_INCLINE_DEG = 12.0  # incline above which the snake starts to tumble, or the wheels to slide
 MAX_ZERO_DEG = 0.5  # zero above which a sign was forgotten, or the inclinometer is not one to use
-SETTLE_TIMES = 3.0  # settling time over m / C_t, after which 5 % of a disturbance is left
-SLOPE_M_S = 53.0  # belt speed, m/s, over sin(incline): m g / C_t of the 2005 robot
-STATIONS = 5  # stations of a bend, about, spread from rest to the top speed
 DONE_SHARE = 0.85  # share of the top speed that ends a bend, as a station beyond 1 / 0.85 would
-SLOW_SHARE = 0.25  # share of the top speed that one station must be below, which tells dry friction
 # Distance of a station from the line through those before it that raises a doubt: four standard
 # deviations of a usual one, m/s, and a share of its speed.
 FAR_M_S, FAR_SHARE = 0.12, 0.25
-CLOCK_ERROR = 0.05  # relative error of a board's clock at most, by which a gait's rate is off
 
 
 def next_step(session: Session, posed_deg: float | None = None) -> Step:
@@ -175,12 +170,12 @@ def next_incline_deg(session: Session, bend_deg: float) -> float | None:
     lowest_deg, fastest_m_s = min(tried), max(speeds, default=0.0)
     line = line_of(session, bend_deg)
     step_deg *= 1.0 if line else friction_factor(bend_deg)
-    if min(speeds, default=0.0) > SLOW_SHARE * top_m_s and step_deg < lowest_deg in inclines_deg:
+    if min(speeds, default=0.0) > top_m_s / 4 and step_deg < lowest_deg in inclines_deg:
         return round(lowest_deg - step_deg, 3)
     next_deg, next_m_s = max(tried) + step_deg, fastest_m_s
     if line is not None:
         slope, offset_m_s = line
-        sine = (fastest_m_s + top_m_s / STATIONS - offset_m_s) / slope
+        sine = (fastest_m_s + top_m_s / 5 - offset_m_s) / slope
         next_deg = max(next_deg, math.degrees(math.asin(min(max(sine, 0.0), 1.0))))
         next_m_s = slope * math.sin(math.radians(next_deg)) + offset_m_s
     done = max(fastest_m_s, DONE_SHARE**2 * next_m_s) > DONE_SHARE * top_m_s
@@ -245,8 +240,9 @@ def _station(session: Session, bend_deg: float) -> Step | None:
     if incline_deg is None:
         return None
     plan, first = session.setup.plan, not taken_in(session, bend_deg)
-    line = line_of(session, bend_deg) or line_of(session, 0.0) or (SLOPE_M_S, 0.0)
-    settle_s = SETTLE_TIMES * line[0] / session.setup.laboratory.gravity_m_s2
+    line = line_of(session, bend_deg) or line_of(session, 0.0) or (53.0, 0.0)  # the 2005 robot's
+    # After three times m / C_t 5 % of a disturbance is left.
+    settle_s = 3.0 * line[0] / session.setup.laboratory.gravity_m_s2
     likely, hint = expected_speed(session, bend_deg, incline_deg), ""
     if likely is not None:
         low, high = likely
@@ -278,7 +274,8 @@ def _gait_run(session: Session) -> Step | None:
     crawls = [(run.alpha_rad, run.beta_rad, run.omega_rad_s) for run in session.kept_crawls]
     for number, gait in enumerate(plan.gaits, 1):
         planned = gait.alpha_rad, gait.beta_rad, gait.omega_rad_s
-        runs = sum(np.allclose(crawl, planned, rtol=CLOCK_ERROR) for crawl in crawls)
+        # A board's clock is 5 % off at most.
+        runs = sum(np.allclose(crawl, planned, rtol=0.05) for crawl in crawls)
         key = f"gait {number}.{runs + 1}"
         if runs >= plan.gait_runs or key in session.skipped:
             continue

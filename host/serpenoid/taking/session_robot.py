@@ -12,11 +12,8 @@ from ..robot.robot import RobotBoard
 from ..robot.tools.limp_test import RELEASED
 from ..robot.wire.link import Link
 
-SILENCE_S = 2.0
-LIMP = 1.0  # of the setting `released`
-LIMP_S = 30.0  # a host that is there says something each half second
-HOURS_S = 6 * 3600.0
-STEER_RAD = math.radians(0.25)  # a key
+LIMP = 1.0  # value of the setting `released`
+LIMP_S = 30.0  # silence of the host after which a pose is let go; it speaks each half second
 # Joints that jump shake wheels loose which would rest: in the lab, steering at 45 deg/s takes a
 # quarter of its standard deviation off fn0.
 STEER_DEG_S, POSE_DEG_S = 2.0, 45.0
@@ -30,7 +27,7 @@ class SessionRobot:
     """
 
     def __init__(self, port: str | Link | None, joints: int | None = None):
-        self._robot = RobotBoard(port, joints=joints, unattended_s=HOURS_S)
+        self._robot = RobotBoard(port, joints=joints, unattended_s=6 * 3600.0)
         self.powered = False
         self.stopped = False  # by a key, and no prompt has seen it yet
         self.offset_rad = 0.0  # on every joint, to steer
@@ -46,7 +43,7 @@ class SessionRobot:
             if not settings["limp"]:  # after a kill nothing else would let go of the bend
                 robot.set("limp", LIMP_S)
             if not settings["silence"]:
-                robot.set("silence", SILENCE_S)
+                robot.set("silence", 2.0)
             if settings["pose_speed"] > STEER_DEG_S:  # else it was left so by a kill
                 self._pose_deg_s = settings["pose_speed"]
             robot.set("pose_speed", self._pose_deg_s)
@@ -94,7 +91,7 @@ class SessionRobot:
         Positive turns it to the left. A pose that a joint cannot reach is left as it was.
         """
         if self.powered and self._posed is not None:
-            wanted_rad = self.offset_rad + steps * STEER_RAD
+            wanted_rad = self.offset_rad + steps * math.radians(0.25)
             try:
                 self._lie(*self._posed, wanted_rad)
             except CommandRefused as error:

@@ -34,14 +34,8 @@ from ..session.station import slips
 from .steps import Step, Tracked
 from .track_look import look_at
 
-BELT_TURNS_M, BELT_CHECK_M_S = 28.0, 0.5  # of a belt check: ten turns, and the speed shown
-FIRST_BELT_M_S = 0.3  # where nothing tells better
-RUN_M, RUN_S = 1.0, 40.0  # a gait run: this distance, or this time at most
-LEAST_M_S = 1e-6  # speed of a robot that gets nowhere
-PUSH_M_S, PUSH_SPREAD = 0.9, 0.12  # speed of a push, and its relative scatter
-CROOKED_RAD, SPIN_RAD_S = 0.015, 0.06  # scatter of a push's direction and turning
-FILM_ERROR = 0.002  # relative, of a crawl's scale and of each joint's amplitude
-MAX_PUSHES = 6  # until somebody gives up
+RUN_M, RUN_S = 1.0, 40.0  # distance and time of a gait run at most
+FILM_ERROR = 0.002  # relative error of a crawl's scale and of each joint's amplitude
 # Error at each end under a protractor, over what is stated of the bend: half the mean of both errs
 # by that at a treadmill, by half of it on a floor, where there is room and light.
 PROTRACTOR_ENDS = {"treadmill": 2 * math.sqrt(2), "floor": math.sqrt(2)}
@@ -121,7 +115,7 @@ class SimulatedPerson:
         self._person = Person(self._treadmill, self.rng, display=display)
         # The deck does not lie level when the treadmill says 0.
         self._deck_rad = math.radians(float(self.rng.uniform(-0.15, 0.15)))
-        self._shown_m_s = FIRST_BELT_M_S
+        self._shown_m_s = 0.3  # first guess
         self._crawl_speed = lru_cache(crawl_speed)
 
     def answer(self, step: Step) -> Cells | None:
@@ -173,8 +167,10 @@ class SimulatedPerson:
         }
 
     def _belt(self, step: Step) -> Cells:
-        timed = self._timed(BELT_TURNS_M, BELT_CHECK_M_S * self.truth.belt_scale)
-        return {"belt_speed_m_s": BELT_CHECK_M_S} | timed
+        shown_m_s, turns_m = 0.5, 28.0  # ten turns
+        return {"belt_speed_m_s": shown_m_s} | self._timed(
+            turns_m, shown_m_s * self.truth.belt_scale
+        )
 
     def _timed(self, distance_m: float, speed_m_s: float) -> dict[str, float]:
         """Return a distance and the time for it, by tape and stopwatch."""
@@ -188,9 +184,9 @@ class SimulatedPerson:
         direction_rad = 0.0 if step.cells["way"] == "there" else math.pi
         camera, plan = self.truth.camera, self.setup.plan
         slipping = slips(plan.bend, step.lambda_deg, self.setup.robot.links)
-        for _ in range(MAX_PUSHES):
-            speed_m_s = PUSH_M_S * max(1.0 + self._error(PUSH_SPREAD), 0.3)
-            crooked = self._error(CROOKED_RAD), self._error(SPIN_RAD_S)
+        for _ in range(6):  # until somebody gives up
+            speed_m_s = 0.9 * max(1.0 + self._error(0.12), 0.3)
+            crooked = self._error(0.015), self._error(0.06)  # direction, rad, and turning, rad/s
             track = self._floor.push(self._pose_rad, Push(speed_m_s, direction_rad, *crooked))
             rows = film(track, replace(camera, scale=self.truth.film_scale), self.rng)[:, :3]
             look = look_at(rows, slips=slipping)
@@ -212,7 +208,7 @@ class SimulatedPerson:
             return Tracked({**crawl_cells(rows, gait), "film_sha256": "simulated"}, rows, "video")
         rises = {"slope_rad": slopes[0], "across_rad": slopes[1]}
         speed_m_s = self._crawl_speed(self.robot, swinging, **rises)
-        return self._timed(min(RUN_M, speed_m_s * RUN_S), max(speed_m_s, LEAST_M_S))
+        return self._timed(min(RUN_M, speed_m_s * RUN_S), max(speed_m_s, 1e-6))
 
     def _error(self, sigma: float) -> float:
         return float(self.rng.normal()) * sigma

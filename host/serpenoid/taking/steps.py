@@ -18,9 +18,7 @@ from ..session.track import Samples
 
 Doubts = list[tuple[Field, Range]]  # numbers that are outside the range that was expected
 POSES = ("straight", "bend", "station", "push")  # kinds of steps after which the robot lies posed
-STEEPER_PER_RAD = 1.4  # a bend of the 2005 robot multiplies its friction by some 1 + 1.4 lambda
 SAME_SINE = 1e-4  # difference of inclines' sines below which no line goes through stations
-NEAR_DEG = 2.5  # error of a planned bend; twice as much at the protractor raises no doubt
 
 
 class Tracked(dict[str, "float | str"]):
@@ -95,8 +93,8 @@ def shown_bend(session: Session, bend_deg: float) -> float | None:
 
 
 def friction_factor(bend_deg: float) -> float:
-    """Return by how much more a bent robot is braked than a straight one, about."""
-    return 1.0 + STEEPER_PER_RAD * math.radians(bend_deg)
+    """Return by how much more a bent robot is braked than a straight one, as that of 2005."""
+    return 1.0 + 1.4 * math.radians(bend_deg)
 
 
 def line_of(session: Session, bend_deg: float) -> tuple[float, float] | None:
@@ -125,7 +123,7 @@ def bend_step(key: str, setup: Setup, bend_deg: float) -> Step:
         joints = ", ".join(f"{multiple * bend_deg:+g}" for multiple in multiples)
         how = f"balanced: joints from the tail at {joints} deg."
     (shown,) = BendCheck.questions("between_links_deg")
-    likely = between_deg - 2 * NEAR_DEG, between_deg + 2 * NEAR_DEG
+    likely = between_deg - 5.0, between_deg + 5.0
     return Step(
         key,
         "bend",

@@ -16,22 +16,17 @@ from ..session.arc import chord_places, curved_path
 from ..session.push import unlikely_push
 from ..session.track import Floats
 
-PIECE_S = 0.13  # over which a speed is taken
-FINGERS_S = 0.07  # from the fastest moment until the fingers are gone
-REST_S = 0.4  # of rest that counts: it tells where the robot stopped
-REST_SHARE = 0.03  # of the greatest speed: below it the robot rests
-MOVES_M_S = 0.05  # a push is faster than this
-MIN_WAY_M, MIN_TIME_S, MIN_PLACES = 0.2, 0.4, 8  # of a push worth fitting
-PUSH_M = 0.02  # nothing shorter is a push
+PIECE_S = 0.13  # time over which a speed is taken
+REST_S = 0.4  # rest that counts, which tells where the robot stopped
+REST_SHARE = 0.03  # share of the greatest speed below which the robot rests
+MOVES_M_S = 0.05  # speed above which something moves
+MIN_WAY_M, MIN_TIME_S, MIN_PLACES = 0.2, 0.4, 8  # smallest push worth fitting
+PUSH_M = 0.02  # shortest way of a push
 TOUCHED_M = 0.03  # distance from where the robot rests, m, to which it did not get by itself
-REST_M_S = 0.01  # speed, m/s, below which a robot rests, whatever its greatest speed
-PLACE_SIGMA_M = 0.001  # scatter of a place, m, in a usual film
-NOISE_FACTOR = 1.05  # standard deviation over the median of the differences of two neighbours
-# Of a path. That of a robot which slips down the floor's slope turns by itself: the fit knows it.
+# Turns of a path. A robot that slips down the floor's slope turns by itself: the fit knows it.
 MAX_TURN_RAD, MAX_SLIP_RAD = math.radians(10.0), math.radians(30.0)
 MAX_ROUGHNESS = 2.5  # scatter about the law of rolling over that between neighbours
-MAX_STOP_SHARE = 0.25  # of the first speed, left at the end: something stopped the robot
-MAX_CORRELATION = 0.8  # between neighbours' errors
+MAX_STOP_SHARE = 0.25  # share of the first speed left at the end where something stopped it
 
 
 class Look(NamedTuple):
@@ -77,7 +72,8 @@ def look_at(track: Floats, slips: bool = False) -> Look:
     t, places = track[:, 0], track[:, 1:]
     speed = speeds(track)
     peak = int(np.argmax(speed))
-    start = int(np.searchsorted(t, t[peak] + FINGERS_S)) if peak else 0
+    fingers_s = 0.07  # time from the fastest moment until the fingers are gone
+    start = int(np.searchsorted(t, t[peak] + fingers_s)) if peak else 0
     stop, end = _stop_of(track, speed, peak)
     if stop - start + 1 < MIN_PLACES:
         raise BadInput(
@@ -85,7 +81,7 @@ def look_at(track: Floats, slips: bool = False) -> Look:
             "least: film until the robot rests, and push harder"
         )
     along_m, left_m, _ = chord_places(*places[start : stop + 1].T)
-    way, direction_rad = curved_path(along_m, left_m, PLACE_SIGMA_M)
+    way, direction_rad = curved_path(along_m, left_m, sigma_m=0.001)
     way, time = way - way[0], t[start : stop + 1] - t[start]
     turned_rad = float(direction_rad[-1] - direction_rad[0])
     # v' = -(c v + f), integrated twice: a line in the start, its speed, c and f.
@@ -93,11 +89,12 @@ def look_at(track: Floats, slips: bool = False) -> Look:
     design = np.column_stack([np.ones_like(time), time, -area, -(time**2) / 2])
     law = np.linalg.lstsq(design, way, rcond=None)[0]
     error = way - design @ law
-    noise_m = NOISE_FACTOR * float(np.median(np.abs(np.diff(error))))
+    # A normal error is 1.05 times the median of the differences of two neighbours.
+    noise_m = 1.05 * float(np.median(np.abs(np.diff(error))))
     sigma_m = max(math.sqrt(float(error @ error) / (len(way) - len(law))), 1e-5)
     correlation = float(error[1:] @ error[:-1] / max(float(error @ error), 1e-30))
     chance = 1 / math.sqrt(len(error))  # correlation of errors that are independent
-    correlation = min(max(correlation - chance, 0.0), MAX_CORRELATION)
+    correlation = min(max(correlation - chance, 0.0), 0.8)
     way_m, rough = float(way[-1]), sigma_m / max(noise_m, 1e-4) > MAX_ROUGHNESS
     first_m_s = float(law[1])
     last_m_s = first_m_s - law[2] * way_m - law[3] * time[-1]
@@ -143,7 +140,7 @@ def _stop_of(track: Floats, speed: Floats, peak: int) -> tuple[int, int]:
     The rest ends where the robot is touched again. Both are the track's end where there is none.
     """
     t = track[:, 0]
-    slow = np.flatnonzero(speed[peak:] < max(REST_SHARE * speed[peak], REST_M_S))
+    slow = np.flatnonzero(speed[peak:] < max(REST_SHARE * speed[peak], 0.01))
     if not len(slow):
         return len(t) - 1, len(t) - 1
     stop = peak + int(slow[0])
