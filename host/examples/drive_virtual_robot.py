@@ -9,7 +9,7 @@ from serpenoid.robot.recording.stream import load_stream
 
 recording = Path("virtual_robot.wire")
 recording.unlink(missing_ok=True)  # of an earlier run: nothing else is ever written over
-gait = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
+gait = Gait.degrees(30, 80, omega_rad_s=5.0)
 with RobotBoard("virtual:fast", record=recording) as robot:  # leaving the block stops the robot
     robot.straight()
     robot.gait(gait)

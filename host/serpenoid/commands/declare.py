@@ -48,10 +48,9 @@ class Command(click.Command):
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the options of builders, then those of researchers."""
+        options = [param for param in self.get_params(ctx) if isinstance(param, click.Option)]
         for title, for_research in (("Options", False), ("For researchers", True)):
-            shown = [
-                p for p in self.get_params(ctx) if isinstance(p, ResearchOption) == for_research
-            ]
+            shown = [p for p in options if isinstance(p, ResearchOption) == for_research]
             records = [record for p in shown if (record := p.get_help_record(ctx)) is not None]
             if records:
                 with formatter.section(title):

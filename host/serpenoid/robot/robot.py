@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from ..model.gait import Gait
 
 ATTEMPTS = 5
-SETTLED_S, LOOK_S = 20.0, 0.05  # a pose takes less at any pose_speed that the board has
 T = TypeVar("T")
 
 
@@ -206,14 +205,17 @@ class RobotBoard:
         """Return the board's state and counters."""
         return self._answer_of("status", status_of)
 
-    def settle(self, most_s: float = SETTLED_S) -> None:
-        """Wait until no joint is on its way to a pose, at most most_s, s; else raise RobotLost."""
+    def settle(self, most_s: float = 20.0) -> None:
+        """Wait until no joint is on its way to a pose, at most most_s, s; else raise RobotLost.
+
+        A pose takes less than 20 s at any pose_speed that the board has.
+        """
         talk = self._dialogue
         end_s = talk.link.now_s() + most_s
         while self.status().moving:
             if talk.link.now_s() > end_s:
                 raise RobotLost(f"the robot is not there after {most_s:g} s; ask for `status`")
-            talk.pass_time(LOOK_S)
+            talk.pass_time(0.05)
 
     def frames(self, duration_s: float | None = None) -> Iterator[Telemetry]:
         """Iterate over the frames that come from now on, for a time in s or without end.

@@ -49,6 +49,5 @@ def patient_boards() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         for module in (link, virtual):
             patch.setattr(module, "time", patient)
-        for name in ("OPEN_S", "CLOSE_S"):
-            patch.setattr(recorder, name, LONG_S)
+        patch.setattr(recorder, "DISK_S", LONG_S)
         yield

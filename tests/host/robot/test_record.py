@@ -123,7 +123,7 @@ def reads(reader: int) -> bytes:
 
 @needs_pipe_size
 def test_a_stalled_disk_stops_nothing_and_is_told(stalled, monkeypatch):
-    monkeypatch.setattr(recorder, "CLOSE_S", 0.2)
+    monkeypatch.setattr(recorder, "DISK_S", 0.2)
     with pytest.raises(RecordingFailed, match=r"stalled, and \d+ rows could not be written"):
         with RobotBoard("virtual", record=stalled[0]) as robot:
             robot.gait(GAIT)

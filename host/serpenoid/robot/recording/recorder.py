@@ -16,8 +16,7 @@ from ...base.errors import BadInput, RecordingFailed
 
 TITLE = "# serpenoid wire 1"
 COLUMNS = "# seconds since the start, < from or > to the board, the line with its CRC"
-OPEN_S = 2.0  # for the disk to take the first row
-CLOSE_S = 2.0  # for it to take all that waits at the end
+DISK_S = 2.0  # time for the disk to take the first row, and all that waits at the end
 
 
 @dataclass
@@ -62,8 +61,8 @@ class Recorder:
         begun = datetime.now(timezone.utc).isoformat(timespec="milliseconds")
         head = Row(f"{TITLE}, begun {begun}\n{COLUMNS}")
         self._queue.put(head)
-        if not self._wait(head, OPEN_S) or self._failure:
-            raise self._failure or self._failed(f"it took nothing for {OPEN_S:g} s")
+        if not self._wait(head, DISK_S) or self._failure:
+            raise self._failure or self._failed(f"it took nothing for {DISK_S:g} s")
 
     def line(self, host_s: float, direction: str, line: bytes) -> None:
         """Add one line; direction is `<` or `>`. After close() it is lost."""
@@ -84,8 +83,8 @@ class Recorder:
         end = Row(f"# end: {how}")
         self._queue.put(end)
         self._queue.put(None)
-        if self._wait(end, CLOSE_S):
-            self._thread.join(CLOSE_S)
+        if self._wait(end, DISK_S):
+            self._thread.join(DISK_S)
         if self._failure:
             raise self._failure
         if not end.written:

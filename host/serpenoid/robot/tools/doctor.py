@@ -35,8 +35,6 @@ TROUBLES = {  # what an error is about, and what was found
     NoAnswer: ("greeting", "none"),
     ProtocolMismatch: ("protocol", "another one"),
 }
-BOARD_COUNTS = ("damaged", "lost", "rxfull")
-HOST_COUNTS = ("damaged_lines", "missed_frames")
 LATE_US = 2000  # the firmware's own budget for the lateness of a frame (firmware/README.md)
 
 
@@ -116,8 +114,8 @@ def _running(robot: RobotBoard, listen_s: float) -> Iterator[Finding]:
     robot.set("every", 1)  # until the next reset, so that there is something to hear
     frames = sum(1 for _ in robot.frames(listen_s))
     status = robot.status()
-    counts = {name: getattr(status, name) for name in BOARD_COUNTS}
-    counts |= {name: getattr(robot.losses, name) for name in HOST_COUNTS}
+    counts = {name: getattr(status, name) for name in ("damaged", "lost", "rxfull")}
+    counts |= {name: getattr(robot.losses, name) for name in ("damaged_lines", "missed_frames")}
     losses = ", ".join(f"{name} {count}" for name, count in counts.items() if count)
     cure = "use a shorter or better USB cable, and no hub; without any frame, serpenoid flash"
     result = losses or f"clean, over {frames} frames"

@@ -16,7 +16,6 @@ from ..wire.protocol import Telemetry
 if TYPE_CHECKING:
     from ...model.gait import Gait
 
-SILENCE_S = 2.0
 UNATTENDED_S = 2.0  # a watch that takes longer, as on a halted terminal, stops the robot
 MOST_MISSED = 0.1  # of the frames due: of a run that has lost more, little can be said
 UNDERWAY_S = 0.3  # frames that a busy computer may not have taken in at the end
@@ -73,7 +72,7 @@ class DrivenRun:
         with self.robot as robot:
             robot.set("every", 1)  # until the board's next reset, as its silence: nothing is saved
             if not robot.settings()["silence"]:
-                robot.set("silence", SILENCE_S)  # the board stops if this program dies
+                robot.set("silence", 2.0)  # the board stops if this program dies
             robot.gait(self.gait)
             for frame in robot.frames(duration_s):
                 self._count(frame)

@@ -14,10 +14,6 @@ RELEASED = {  # the board's setting of that name
     2.0: "these servos hold when pulses end: only the switch stops them",
 }
 FREE = "Has the robot free space all around, and is the switch within reach of your hand?"
-TURNS = (
-    "No pulses come now. Take one servo with its horn on that is linked to no other. Can you turn "
-    "its horn by hand?"
-)
 
 
 def limp_test(port: str | Link | None, ask: Callable[[str], bool]) -> str | None:
@@ -30,7 +26,11 @@ def limp_test(port: str | Link | None, ask: Callable[[str], bool]) -> str | None
     with RobotBoard(port, unattended_s=UNATTENDED_S) as robot:
         straighten(robot)
         robot.idle()
-        released = 1.0 if ask(TURNS) else 2.0
+        turns = ask(
+            "No pulses come now. Take one servo with its horn on that is linked to no other. Can "
+            "you turn its horn by hand?"
+        )
+        released = 1.0 if turns else 2.0
         robot.set("released", released)
         robot.save()
     return RELEASED[released]

@@ -10,8 +10,6 @@ from ...base.files import visible
 from ..robot import RobotBoard
 from ..wire.protocol import Telemetry, Verdict, parse, unseal
 
-HELP = "type `help` and Enter; a line with ! stops the robot; Ctrl-C or Ctrl-D stops it and leaves"
-
 FRAMES_A_LINE = 50  # telemetry lines of which one is printed: one a second
 UNATTENDED_S = 86400.0  # a person may think between two lines
 
@@ -68,6 +66,7 @@ def converse(port: str | None) -> None:
     with suppress(KeyboardInterrupt), robot:
         robot.shown = True
         if sys.stdout is not None and sys.stdout.isatty():  # it may be closed
-            print(HELP, flush=True)
+            stops = "a line with ! stops the robot; Ctrl-C or Ctrl-D stops it and leaves"
+            print(f"type `help` and Enter; {stops}", flush=True)
         for line in sys.stdin or ():
             robot.obey(line)

@@ -27,10 +27,7 @@ USB_IDS = {
 OUTPUTS = {"servo": "", "pca9685": "-D SERPENOID_PCA9685"}  # build flags
 # The Servo library makes 12 pulses with one timer, and the memory of an Uno or Nano holds 8 joints.
 MAX_JOINTS = {"uno": 8, "nano": 8, "nano_old": 8, "mega": 12}
-BOARDS = tuple(MAX_JOINTS)  # the environments of platformio.ini
 GREETING_S = 10.0
-GRACE_S = 5.0
-HALF_DONE = "\nthe board may hold half a program: flash it again before use\n"
 UPLOADING = "Uploading "  # how PlatformIO announces it, once everything is built
 # What PlatformIO printed, what it means, what to do; the first row that fits counts.
 CAUSES = (
@@ -69,7 +66,7 @@ def flash(
 ) -> Hello:
     """Build, upload, and return the greeting of the new firmware.
 
-    board: one of BOARDS, or None if the USB id tells; port: None finds it by USB id. show takes
+    board: one of MAX_JOINTS, or None if the USB id tells; port: None finds it by USB id. show takes
     PlatformIO's output as it comes. output: one of OUTPUTS, what makes the servos' pulses. Raises
     BadInput, PortMissing, PortBusy, FlashFailed, NoAnswer.
     """
@@ -143,7 +140,9 @@ def board_at(port: str) -> str:
     for board, of_board in USB_IDS.items():
         if ids & of_board:
             return board
-    raise BadInput(f"the USB id of {port} does not tell the board; give --board {'|'.join(BOARDS)}")
+    raise BadInput(
+        f"the USB id of {port} does not tell the board; give --board {'|'.join(MAX_JOINTS)}"
+    )
 
 
 def _run(command: list[str], show: Callable[[str], None], flags: str) -> tuple[int, str]:
@@ -163,9 +162,9 @@ def _run(command: list[str], show: Callable[[str], None], flags: str) -> tuple[i
             return process.wait(), printed.decode("utf-8", "replace")
         except BaseException:
             guard.held = True
-            system.end_group(process, GRACE_S)
+            system.end_group(process, 5.0)
             if UPLOADING.encode() in printed:
-                show(HALF_DONE)
+                show("\nthe board may hold half a program: flash it again before use\n")
             raise
         finally:
             guard.restore()

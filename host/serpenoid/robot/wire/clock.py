@@ -15,7 +15,6 @@ FRAME_US = round(firmware.FRAME_S * 1e6)
 TOLERANCE_PPM = 5000.0  # of a Uno's ceramic resonator, before anything is measured
 MOST_SD_PPM = 200_000.0  # a host may be busy; arrivals more scattered follow no clock
 BUSY_S = 0.05  # by which even the least delay may change over a run
-BLOCK_S = 0.25
 MOST_BLOCKS = 64
 FEWEST_BLOCKS = 6
 STEP_US = 4.0  # of the board's micros()
@@ -79,7 +78,7 @@ class BoardClock:
     def __init__(self, frame_us: int = FRAME_US) -> None:
         self.frame_us = frame_us
         self._blocks: list[_Arrival] = []
-        self._block_s = BLOCK_S
+        self._block_s = 0.25
         self._best: _Arrival | None = None
         self._rate = 1.0  # board seconds in one of the host's, as far as known
         self._block_end_s = -math.inf

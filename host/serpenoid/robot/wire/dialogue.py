@@ -25,7 +25,7 @@ from ...base.errors import (
 )
 from .inbox import Inbox
 from .link import Link
-from .protocol import Data, Telemetry, Verdict, refused, seal
+from .protocol import LONGEST_LINE, Data, Telemetry, Verdict, refused, seal
 
 RETRY_S = 0.1
 LEAST_S = 1e-6  # of patience: less is a rounding error
@@ -33,7 +33,6 @@ PATIENCE_S = 2.0
 PING_S = 0.4
 QUIET_S = 1.0  # without a frame, and the two next ones, telemetry has ended
 PINGS_A_SILENCE = 4  # so that the board does not go safe over one that is late
-LONGEST_LINE = 4096
 STOP = b"\n!\n"
 MOTIONS = ("gait", "pose")
 MOST_STOPS = 10  # that other threads may send while one asks for something that moves nothing

@@ -9,7 +9,6 @@ from .protocol import PROTOCOL
 
 FLASH = "`serpenoid flash --port {port}`"
 BOOT_S = 2.0  # in which a board that opening has reset greets of itself
-ASK_S = 0.5
 
 
 def greet(talk: Dialogue, timeout_s: float) -> None:
@@ -24,7 +23,7 @@ def greet(talk: Dialogue, timeout_s: float) -> None:
     opened = False
     while not opened and left_s > LEAST_S:
         _check_protocol(talk)
-        asked_s, ask_s = now_s(), min(ASK_S, left_s)
+        asked_s, ask_s = now_s(), min(0.5, left_s)
         opened = talk.open_session(ask_s)
         left_s -= min(now_s() - asked_s, ask_s)
     _check_protocol(talk)

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     import serial
 
 BAUD = 250_000
-WRITE_TIMEOUT_S = 1.0
 
 
 class Link(Protocol):
@@ -105,7 +104,7 @@ def _open(port: str) -> serial.Serial:
     import serial
 
     try:
-        opened = serial.Serial(port, BAUD, exclusive=True, write_timeout=WRITE_TIMEOUT_S)
+        opened = serial.Serial(port, BAUD, exclusive=True, write_timeout=1.0)
     except OSError as error:
         raise _refused(port, error) from error
     system.exclude_others(opened, True)  # pyserial's lock is heeded only by programs that lock too

@@ -15,11 +15,6 @@ if TYPE_CHECKING:
 # USB vendors of these boards and of the serial chips on their copies.
 BOARD_VENDORS = {0x2341: "Arduino", 0x2A03: "Arduino", 0x1A86: "CH340", 0x0403: "FTDI"}
 PRIVILEGED = ("root", "wheel", "admin", "sudo", "shadow", "disk")
-CH340 = "1a86"  # its USB vendor
-BRLTTY = (
-    "brltty, the driver for Braille displays, takes boards with a CH340 for one of them: "
-    "remove it with `sudo apt remove brltty` unless you need it, then plug the board in again"
-)
 
 
 def serial_ports() -> list[ListPortInfo]:
@@ -108,7 +103,11 @@ def why_forbidden(port: str) -> str:
 
 def why_no_port() -> str:
     """Say why a board that is plugged in may have no port."""
-    if CH340 in system.usb_vendors():
-        return f"A CH340 is plugged in but has no port: its driver ch341 is missing, or {BRLTTY}"
+    if "1a86" in system.usb_vendors():  # of the CH340
+        return (
+            "A CH340 is plugged in but has no port: its driver ch341 is missing, or brltty, the "
+            "driver for Braille displays, takes boards with a CH340 for one of them: remove it "
+            "with `sudo apt remove brltty` unless you need it, then plug the board in again"
+        )
     driver = "; a copy with a CH340 needs its maker's driver" if system.WINDOWS else ""
     return f"Plug the board in (with a cable that carries data), or name its port{driver}"

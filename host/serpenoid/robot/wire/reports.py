@@ -11,8 +11,6 @@ from ...base.errors import DamagedLine
 from .encoding import count_in, number_in
 from .protocol import Data
 
-SETTINGS = tuple(firmware.SETTINGS)
-
 
 @dataclass(frozen=True)
 class Status:
@@ -79,7 +77,7 @@ def settings_of(data: list[Data]) -> dict[str, float]:
     with damage_named("a setting of the board"):
         texts = {line.text.split()[0]: _values(line.text)["value"] for line in data}
         values = {name: number_in(name, text) for name, text in texts.items()}
-        return {name: values[name] for name in SETTINGS} | values
+        return {name: values[name] for name in firmware.SETTINGS} | values
 
 
 def trims_of(data: list[Data], joints: int) -> tuple[Trim, ...]:

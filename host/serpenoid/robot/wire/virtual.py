@@ -11,7 +11,6 @@ from .protocol import FEWEST_JOINTS, MOST_JOINTS
 
 STEP_S = 0.002  # of the board's time, within which a fast board answers
 LEAST_S = 40e-6  # a byte on the wire, the board's own step: less would not pass at all
-NAP_S = 0.005
 
 
 def virtual_link(port: str) -> VirtualLink:
@@ -56,7 +55,7 @@ class VirtualLink:
                 return self.board.read()
         end_s = time.monotonic() + timeout_s
         while not (data := self._catch_up()) and time.monotonic() < end_s:
-            time.sleep(NAP_S)
+            time.sleep(0.005)
         return data
 
     def write(self, data: bytes) -> None:
