@@ -26,7 +26,7 @@ STORED = ROOT / "host" / "docs"
 def speed(path: Path) -> None:
     """Draw the speed of the 2005 robot over frequency, with its band, from its session."""
     session = sn.load_session(ROOT / "calibration_data" / "nirakh-2005")
-    gaits = [sn.Gait.degrees(70, 75, frequency_hz=hertz) for hertz in (0.2, 0.8)]
+    gaits = [sn.Gait.degrees(70, 75, hertz=hertz) for hertz in (0.2, 0.8)]
     sn.compare(session, gaits=gaits).plot(path)
 
 

@@ -108,7 +108,7 @@ class Plottable(Result):
         --------
         >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
         >>> ground = sn.Ground(ct=0.1, cn=10.0)
-        >>> state = sn.steady_gait(robot, ground, sn.Gait.degrees(30, 80, frequency_hz=0.8))
+        >>> state = sn.steady_gait(robot, ground, sn.Gait.degrees(30, 80, hertz=0.8))
         >>> [axes.get_ylabel() for axes in state.plot().axes]
         ['speed (m/s)', 'net power (W)']
         """

@@ -45,7 +45,8 @@ def _decades(low: int, high: int, per_decade: int) -> tuple[float, ...]:
 
 
 # A map: its axes (links, cn N s/m, c N s/m, k N/m), the steps dt in s, and how many a run takes.
-Map = tuple[tuple[Sequence[float], ...], Sequence[float], int]
+Axes = tuple[Sequence[int], Sequence[float], Sequence[float], Sequence[float]]
+Map = tuple[Axes, Sequence[float], int]
 WIDE: Map = (
     ((2, 6), (10.0, 1e4), (0.0, 1.0, 1e3, 1e5), _decades(2, 9, 2)),
     _decades(-5, -1, 3),

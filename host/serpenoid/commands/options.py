@@ -45,7 +45,7 @@ CAPTURE_FPS = number(
 
 
 def _listed(_ctx: click.Context, _option: click.Parameter, gaits: Any) -> list[sn.Gait]:
-    return [sn.Gait.degrees(alpha, beta, frequency_hz=hertz) for alpha, beta, hertz in gaits]
+    return [sn.Gait.degrees(alpha, beta, hertz=hertz) for alpha, beta, hertz in gaits]
 
 
 row("as_json", AS_JSON)
@@ -178,14 +178,17 @@ def make_gait(typed: Values, base: sn.Gait | None = None) -> sn.Gait:
     Its joints have the gains and shifts of the base.
     """
     values = {name: typed[name] for name in GAIT if typed.get(name) is not None}
+    if "frequency_hz" in values:
+        values["hertz"] = values.pop("frequency_hz")
     if base is None:
-        if not values.keys() >= {"alpha_deg", "beta_deg"}:
+        rates = values.keys() & {"hertz", "omega_rad_s"}
+        if not values.keys() >= {"alpha_deg", "beta_deg"} or len(rates) != 1:
             raise BadInput(
                 "give --alpha-deg, --beta-deg, and one of --frequency-hz and --omega-rad-s"
             )
         return sn.Gait.degrees(**values)
     fields = describe(base)
-    if "frequency_hz" in values:
+    if "hertz" in values:
         del fields["omega_rad_s"]
     gait = sn.Gait.degrees(**fields | values)
     if not values:

@@ -229,7 +229,7 @@ def sweep(
     if frequency_hz is None:
         rates = [{"omega_rad_s": x} for x in _span(omega_rad_s or "1:20:1", "--omega-rad-s")]
     else:
-        rates = [{"frequency_hz": x} for x in _span(frequency_hz, "--frequency-hz")]
+        rates = [{"hertz": x} for x in _span(frequency_hz, "--frequency-hz")]
     count = len(alphas_deg) * len(betas_deg) * len(rates)
     if count > MAX_GAITS:
         raise click.UsageError(

@@ -104,7 +104,7 @@ def draw(folder: Path) -> list[Claim]:
     fit = sn.fit_friction(session)
     lost = "readings regenerated from the lines that the paper prints: its own are lost"
     fit.plot(folder / "fig15-16.png", session=session, note=lost)
-    gaits = [sn.Gait.degrees(70, 75, frequency_hz=hertz) for hertz in HERTZ]
+    gaits = [sn.Gait.degrees(70, 75, hertz=hertz) for hertz in HERTZ]
     bands = in_threads(lambda gait: speed_band(fit, gait, servo=None), gaits)
     exact = np.array([band.speed_m_s for band in bands])
     on_springs = partial(sn.steady_springs, fit.robot, fit.ground, rtol=SPRINGS_RTOL)

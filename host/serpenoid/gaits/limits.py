@@ -168,7 +168,7 @@ class SpeedLosses(Result):
     --------
     >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
     >>> ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-    >>> losses = sn.speed_losses(robot, ground, sn.Gait.degrees(70, 75, frequency_hz=0.6))
+    >>> losses = sn.speed_losses(robot, ground, sn.Gait.degrees(70, 75, hertz=0.6))
     >>> round(losses.friction, 2)
     0.38
     """
@@ -236,7 +236,7 @@ def speed_losses(robot: Robot, ground: Ground, gait: Gait) -> SpeedLosses:
     --------
     >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
     >>> ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-    >>> losses = sn.speed_losses(robot, ground, sn.Gait.degrees(80, 75, frequency_hz=0.6))
+    >>> losses = sn.speed_losses(robot, ground, sn.Gait.degrees(80, 75, hertz=0.6))
     >>> losses.worst < 0.25, losses.warning
     (True, '')
     """

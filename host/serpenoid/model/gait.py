@@ -72,7 +72,7 @@ class Gait:
         alpha_deg: float,
         beta_deg: float,
         *,
-        frequency_hz: float | None = None,
+        hertz: float | None = None,
         omega_rad_s: float | None = None,
         offset_deg: float = 0.0,
     ) -> Gait:
@@ -82,7 +82,7 @@ class Gait:
         ----------
         alpha_deg, beta_deg
             Amplitude and phase lag from joint to joint, degrees.
-        frequency_hz
+        hertz
             Cycles a second, above 0.
         omega_rad_s
             Angular rate, above 0, rad/s, in place of the frequency.
@@ -101,19 +101,17 @@ class Gait:
 
         Examples
         --------
-        >>> gait = sn.Gait.degrees(70, 75, frequency_hz=0.5)
+        >>> gait = sn.Gait.degrees(70, 75, hertz=0.5)
         >>> gait.period_s, round(gait.alpha_rad, 4)
         (2.0, 1.2217)
         """
         alpha_rad = math.radians(check_number("alpha_deg", alpha_deg, 0.0, 180.0))
         beta_rad = math.radians(check_number("beta_deg", beta_deg, -360.0, 360.0))
         offset_rad = math.radians(check_number("offset_deg", offset_deg, -180.0, 180.0))
-        if (frequency_hz is None) == (omega_rad_s is None):
-            raise BadInput(
-                "a gait has a frequency or a rate; give one of frequency_hz, omega_rad_s"
-            )
+        if (hertz is None) == (omega_rad_s is None):
+            raise BadInput("a gait has a frequency or a rate; give one of hertz, omega_rad_s")
         if omega_rad_s is None:
-            omega_rad_s = math.tau * POSITIVE.check("frequency_hz", frequency_hz)
+            omega_rad_s = math.tau * POSITIVE.check("hertz", hertz)
         if 0.0 < alpha_deg < math.pi and 0.0 < abs(beta_deg) < math.tau:
             warnings.warn(
                 f"alpha is {alpha_deg:g} degrees and beta {beta_deg:g}; if radians were meant, "

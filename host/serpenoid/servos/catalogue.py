@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -194,7 +194,7 @@ def servo(name: str | Path = "hobby") -> ServoKind:
 
 
 FORMAT = 1
-_FIELDS = Servo.__slots__
+_FIELDS = tuple(field.name for field in fields(Servo))
 
 
 def load_servo(path: str | Path) -> ServoKind:

@@ -183,7 +183,7 @@ def _planned_gait(value: Any) -> Gait:
             "omega_rad_s and frequency_hz"
         )
     hertz = check_number(rates[0], value[rates[0]]) * in_hertz[rates[0]]
-    return Gait.degrees(value["alpha_deg"], value["beta_deg"], frequency_hz=hertz)
+    return Gait.degrees(value["alpha_deg"], value["beta_deg"], hertz=hertz)
 
 
 @dataclass(frozen=True, kw_only=True)

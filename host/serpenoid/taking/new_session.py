@@ -54,14 +54,14 @@ PUSHES = 8  # pushes on a floor in each bend
 # On a floor: away from the cliff, far from each other, and little moved by a slope. All planned
 # gaits are such that a typical hobby servo follows them at 4.8 V.
 CRAWLS = (
-    Gait.degrees(70, 60, frequency_hz=0.6),
-    Gait.degrees(80, 75, frequency_hz=0.45),
+    Gait.degrees(70, 60, hertz=0.6),
+    Gait.degrees(80, 75, hertz=0.45),
 )
 
 
 def default_setup(name: str) -> Setup:
     """Return the set-up that is proposed: the 2005 robot, a home treadmill, bends to 30 degrees."""
-    gaits = tuple(Gait.degrees(70, 75, frequency_hz=hz) for hz in (0.25, 0.4, 0.6))
+    gaits = tuple(Gait.degrees(70, 75, hertz=hz) for hz in (0.25, 0.4, 0.6))
     return Setup(
         name,
         Provenance(kind="measured", source="taken with `serpenoid calibrate`", note="none"),

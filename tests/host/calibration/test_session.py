@@ -185,7 +185,7 @@ def test_whatever_is_typed_loads_or_is_refused_clearly(folder, name, start, leng
 
 
 def test_a_session_keeps_the_voltage_and_the_frames_of_its_servos(folder):
-    text, gait = (folder / "session.toml").read_text(), sn.Gait.degrees(70, 75, frequency_hz=0.2)
+    text, gait = (folder / "session.toml").read_text(), sn.Gait.degrees(70, 75, hertz=0.2)
 
     def driven(settings: str, kind: sn.ServoKind, links: int = 6) -> sn.ServoKind:
         new = text.replace("links = 6", f"links = {links}\n{settings}")

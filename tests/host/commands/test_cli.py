@@ -80,7 +80,7 @@ def test_ctrl_c_stops_a_long_run_at_once() -> None:
         ("report no-such-folder", 2, "calibrate new no-such-folder"),
         ("view no-such-file", 2, "'no-such-file' does not exist"),
         ("sweep --json --alpha-deg -3", 2, "alpha_deg is -3.0; it must be a finite"),
-        (f"steady {SHAPE} --frequency-hz -1", 2, "frequency_hz is -1.0"),
+        (f"steady {SHAPE} --frequency-hz -1", 2, "hertz is -1.0"),
         ("steady --alpha-deg 1,5", 2, "not a valid float"),
         ("steady --set links=2.5", 2, "links is 2.5; it must be a whole number"),
         (f"steady {GAIT} --robot {300 * 'x'}.json", 1, "file name too long"),

@@ -52,7 +52,7 @@ def test_a_scheduler_without_port(tmp_path: Path) -> None:
     [
         ("270 75 1", "alpha_deg is 270.0; it must be a finite number, at least 0"),
         ("70 nan 1", "beta_deg is nan"),
-        ("70 75 -1", "frequency_hz is -1.0"),
+        ("70 75 -1", "hertz is -1.0"),
     ],
 )
 def test_listed_gaits(command: str, gait: str, told: str) -> None:

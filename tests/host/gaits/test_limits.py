@@ -27,7 +27,7 @@ def test_the_error_of_the_speed_is_part_of_the_powers() -> None:
 def test_losses_are_those_of_runs_in_time() -> None:
     """The gait beside a sharp drop of speed, and one that stays clear of it."""
     for angles_deg, loses in ((66.7, 78.8), True), ((80.0, 75.0), False):
-        gait = sn.Gait.degrees(*angles_deg, frequency_hz=0.26)
+        gait = sn.Gait.degrees(*angles_deg, hertz=0.26)
         losses = sn.speed_losses(OF_2005, BINGHAM, gait)
         full = run_speed(OF_2005, BINGHAM, gait)
         weak = replace(gait, alpha_rad=0.9 * gait.alpha_rad)
@@ -41,9 +41,9 @@ def test_losses_are_those_of_runs_in_time() -> None:
 @pytest.mark.parametrize(
     ("robot", "ground", "gait"),
     [
-        (PAPER, VISCOUS, sn.Gait.degrees(30, 0, frequency_hz=1)),
-        (PAPER, sn.Ground(1.0, 1.0), sn.Gait.degrees(30, 80, frequency_hz=1)),
-        (sn.Robot(2, 0.1, 0.1), BINGHAM, sn.Gait.degrees(60, 75, frequency_hz=0.5)),
+        (PAPER, VISCOUS, sn.Gait.degrees(30, 0, hertz=1)),
+        (PAPER, sn.Ground(1.0, 1.0), sn.Gait.degrees(30, 80, hertz=1)),
+        (sn.Robot(2, 0.1, 0.1), BINGHAM, sn.Gait.degrees(60, 75, hertz=0.5)),
     ],
     ids=["standing wave", "isotropic", "two links"],
 )
@@ -67,5 +67,5 @@ def test_where_no_gait_keeps_the_share_one_that_loses_least_is_the_answer() -> N
     limits = sn.GaitLimits(kept_speed_share=0.99)
     best = sn.least_power_gait(OF_2005, BINGHAM, speed_m_s=0.05, limits=limits)
     for alpha, beta in ((70, 75), (80, 70), (85, 60), (100, 75), (60, 50)):
-        other = sn.Gait.degrees(alpha, beta, frequency_hz=0.3)
+        other = sn.Gait.degrees(alpha, beta, hertz=0.3)
         assert best.losses.worst < sn.speed_losses(OF_2005, BINGHAM, other).worst + 0.01

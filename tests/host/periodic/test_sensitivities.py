@@ -55,7 +55,7 @@ def test_cold_solutions_are_within_the_errors(seed: int) -> None:
 
 
 def test_sides_that_differ_are_told_in_words() -> None:
-    gait = sn.Gait.degrees(70, 75, frequency_hz=0.6)
+    gait = sn.Gait.degrees(70, 75, hertz=0.6)
     found = found_of(OF_2005, BINGHAM, gait)
     base, less = (
         sn.steady_gait(OF_2005, BINGHAM, replace(gait, alpha_rad=gait.alpha_rad * k)).speed_m_s

@@ -66,7 +66,7 @@ def test_a_board_that_tells_nothing_and_forgets_nobody_is_made_watchable():
     [
         ("--alpha-deg 90 --beta-deg 80 --omega-rad-s 20", 1, "servo_speed"),
         ("--alpha-deg 300 --beta-deg 80 --omega-rad-s 5", 2, "alpha_deg is 300"),
-        ("--alpha-deg 30 --beta-deg 80", 2, "one of frequency_hz"),
+        ("--alpha-deg 30 --beta-deg 80", 2, "one of --frequency-hz"),
         (f"{GAIT} --duration-s 0", 2, "duration-s"),
         (f"{GAIT} --robot 2005 --record {__file__}", 2, "another name"),
     ],
