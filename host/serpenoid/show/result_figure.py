@@ -68,8 +68,9 @@ def steady_figure(state: Steady, path: Path | None) -> Figure:
         with suppress(NotConverged):
             states.append(steady_gait(state.robot, state.ground, faster, rtol=1e-3))
     (omega,) = columns([s.gait for s in states], "omega_rad_s")
+    speed, power = columns(states, "speed_m_s", "power_w")
     with figure(8.4, 3.8, 2, path=path) as (fig, axes):
-        _over_frequency(axes, omega / math.tau, *columns(states, "speed_m_s", "power_w"))
+        _over_frequency(axes, omega / math.tau, speed, power)
         for ax, value in zip(axes, (state.speed_m_s, state.power_w), strict=True):
             ax.plot(gait.omega_rad_s / math.tau, value, "o", color=BLUE, mec="black")
             ax.set_ylim(0, None)

@@ -35,27 +35,6 @@ class Measured:
     joint_mask: Mask
 
 
-def calibrate(
-    sightings: Sightings, side_m: float, starts: list[Camera], rigid: bool = False
-) -> bundles.Bundle:
-    """Fit camera and mountings to well-spread frames.
-
-    rigid: the joints do not move. Errors of edges then repeat from frame to frame, so that lens and
-    scale are held to what is known before (`rough`).
-    """
-    sample = sightings.picked(_spread(sightings, 30))
-    rough = []
-    for plane in starts:
-        turns = start.quarter_turns(*start.tag_poses(plane, sample))
-        camera = plane.with_turns(turns)
-        states = start.first_states(camera, sample, turns)
-        rough.append(bundles.fit(camera, states, sample, side_m, turns, steps=15, rough=True))
-    best = min(rough, key=lambda trial: trial.cost)
-    picked = sightings.picked(_spread(sightings, 120))
-    states = start.first_states(best.camera, picked, best.turns)
-    return bundles.fit(best.camera, states, picked, side_m, best.turns, rough=rigid)
-
-
 def _spread(sightings: Sightings, max_count: int) -> Places:
     """Return frames to calibrate with: those with most tags, spread evenly over the film."""
     count = sightings.visible.sum(axis=1)
@@ -69,10 +48,20 @@ def follow(
 ) -> tuple[bundles.Bundle, Sightings, frames.Track]:
     """Follow the chain through a film; return camera, frames that show it, and the chain there.
 
-    starts: those of `start.first_cameras`. rigid: the joints do not move, and two tags tell where
-    the robot is.
+    Camera and mountings are fitted to well-spread frames. starts: those of `start.first_cameras`.
+    rigid: the joints do not move, and two tags tell where the robot is. Errors of edges then repeat
+    from frame to frame, so that lens and scale are held to what is known before (`rough`).
     """
-    fit = calibrate(sightings, side_m, starts, rigid)
+    sample, rough = sightings.picked(_spread(sightings, 30)), []
+    for plane in starts:
+        turns = start.quarter_turns(*start.tag_poses(plane, sample))
+        camera = plane.with_turns(turns)
+        states = start.first_states(camera, sample, turns)
+        rough.append(bundles.fit(camera, states, sample, side_m, turns, steps=15, rough=True))
+    best = min(rough, key=lambda trial: trial.cost)
+    picked = sightings.picked(_spread(sightings, 120))
+    states = start.first_states(best.camera, picked, best.turns)
+    fit = bundles.fit(best.camera, states, picked, side_m, best.turns, rough=rigid)
     tagged = sightings.picked(sightings.visible.sum(axis=1) >= 1 + rigid)
     expected = start.first_states(fit.camera, tagged, fit.turns)
     return fit, tagged, frames.fit_states(fit, tagged, expected, EXPECTED_SIGMA_RAD)

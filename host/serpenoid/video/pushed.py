@@ -18,6 +18,8 @@ from .instrument import fill_hidden, follow
 from .measure_film import refusals, seen_film
 from .result import Remark
 
+STILL_DEG = 3.0  # Robust deviation of a joint from which it is driven, or loose.
+
 
 @dataclass(frozen=True)
 class PushedRobot:
@@ -89,12 +91,12 @@ def track_pushes(
 def still_joints(phi: Array, visible: Mask) -> Array:
     """Return the angles at which joints are held, (joints,), rad. Raises BadInput: they move."""
     angle = np.ma.array(phi, mask=~(visible[:, 1:] & visible[:, :-1]))
-    held_rad = np.ma.filled(np.ma.median(angle, axis=0), 0.0)
-    moved_rad = 1.4826 * np.ma.filled(np.ma.median(abs(angle - held_rad), axis=0), 0.0)
-    for i in np.flatnonzero(moved_rad > np.radians(3.0)):
+    held_rad = np.ma.median(angle, axis=0)
+    moved_deg = np.ma.filled(np.degrees(1.4826 * np.ma.median(abs(angle - held_rad), axis=0)), 0.0)
+    if moved_deg.max() > STILL_DEG:
         raise BadInput(
-            f"joint {i + 1} moves by {math.degrees(moved_rad[i]):.0f}° in this film: a push needs "
-            "joints that hold still, and one bend a film; a crawl is measured by `serpenoid "
+            f"joint {moved_deg.argmax() + 1} moves by {moved_deg.max():.0f}° in this film: a push "
+            "needs joints that hold still, and one bend a film; a crawl is measured by `serpenoid "
             "video FILE`"
         )
-    return held_rad
+    return np.ma.filled(held_rad, 0.0)

@@ -81,4 +81,4 @@ def test_a_crawl_is_no_push(tmp_path) -> None:
     serpenoid(f"calibrate new {folder} --defaults --on floor", check=True)
     told = serpenoid(f"calibrate push {folder} {film}")
     words = " ".join((told.stdout + told.stderr).split())
-    assert re.search("joint 1 moves by .* a crawl is measured by", words)
+    assert re.search("joint . moves by .* a crawl is measured by", words)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,7 +92,7 @@ def _tag(ax: Axes, white: NDArray[np.bool_], number: int, side: float, x: float,
     places = x + cell * (1 + columns), cell, cell, y + cell * (CELLS - rows)
     ax.bar(*places, align="edge", color="white", lw=0)
     # Small and pale enough to leave the black square's edge alone.
-    look = {"color": "#777777", "ha": "center", "va": "center"}
+    look: dict[str, Any] = {"color": "#777777", "ha": "center", "va": "center"}
     look["fontsize"] = max(3.0, 0.45 * cell / 25.4 * 72)
     ax.text(x + 0.5 * cell, y + 0.5 * cell, str(number), **look)
     ax.text(x + label - 0.5 * cell, y + 0.5 * label, "→", **look)

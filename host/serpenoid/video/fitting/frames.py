@@ -49,16 +49,17 @@ def fit_states(
     prior_weight[:2] = 1e-6
     for first in range(0, len(expected), CHUNK):
         cut = slice(first, first + CHUNK)
-        s, states = sightings.picked(cut), expected[cut]
-        step = np.zeros_like(states)
-        for _ in range(7):
-            states = states + step
+        s, states, steps = sightings.picked(cut), expected[cut], 6
+        while True:
             a, residual = equations(camera, states, s, fit.noise_px)
             matrix = a.transpose(0, 2, 1) @ a + np.diag(prior_weight)
+            if not steps:
+                break
             pull = (a.transpose(0, 2, 1) @ residual)[..., 0] + prior_weight * (
                 expected[cut] - states
             )
-            step = np.linalg.solve(matrix, pull[..., None])[..., 0]
+            states = states + np.linalg.solve(matrix, pull[..., None])[..., 0]
+            steps -= 1
         covariance = np.linalg.inv(matrix)
         variance = np.diagonal(covariance, axis1=1, axis2=2)
         neighbours = np.diagonal(covariance[:, 2:, 2:], offset=1, axis1=1, axis2=2)

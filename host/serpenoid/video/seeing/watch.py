@@ -40,10 +40,8 @@ def watch(film: Film, links: int, progress: Callable[[float], object] = lambda _
     finder = TagFinder(links)
     looks: list[tuple[float, Single, Single]] = []
     ground: Background | None = None
-    picture: Grey | None = None
+    picture: Grey = np.empty((0, 0), np.uint8)
     for time_s, grey in film.frames():
-        if picture is None:
-            picture = grey.copy()
         tags = finder.find(grey)
         corners = np.full((links, 4, 2), np.nan, np.float32)
         width = np.full(links, np.nan, np.float32)
@@ -55,7 +53,7 @@ def watch(film: Film, links: int, progress: Callable[[float], object] = lambda _
         elif tags and finder.window:
             picture, ground = grey.copy(), Background(finder.window, time_s, grey)
         progress(time_s / max(film.duration_s, 1.0))
-    if picture is None:
+    if not looks:
         raise BadInput(f"{film.path}: not one frame can be read; copy it again")
     times_s, corners_px, edge_px = map(np.array, zip(*looks, strict=True))
     sharp_px = _sharp(corners_px, edge_px)
