@@ -32,7 +32,7 @@ from ..base.errors import BadInput, NotConverged
 from ..session.session import Session
 from .bends import COMMON_ERROR, STRAIGHTNESS
 from .notes import READING, alarms_of, check_floor, check_readings, notes_on, suspects
-from .parameters import FRICTIONS, ROUNDING, Floats, Rows
+from .parameters import BELT, FRICTIONS, ROUNDING, Floats, Rows
 from .posterior import COUNT, MapEstimate, Posterior, Samples
 from .result import (
     KEPT_SAMPLES,
@@ -45,7 +45,6 @@ from .result import (
     narrowest,
     spread_samples,
 )
-from .stations import BELT, Stations
 
 USUAL, USUAL_N = (0.084, 1.2, 0.14, 0.27), 4.4484  # friction of the 2005 robot, and its weight
 VISCOUS = np.array([1.0, 1.0, 0.0, 0.0])  # frictions that a belt's scale changes
@@ -98,6 +97,8 @@ def fit_friction(
             "are fitted by 'joint'"
         )
     if not session.on_floor:
+        from .stations import Stations
+
         check_readings(session, Stations.from_session(session), 3 if naive else 2)
     try:
         estimate = map_estimate(session)
@@ -121,6 +122,8 @@ def posterior_of(session: Session, slipping: bool = True) -> Posterior:
     kinds: list[Any] = []
     roundings_rad = np.empty((1, 0))
     if session.kept_stations:
+        from .stations import Stations
+
         stations = Stations.from_session(session)
         kinds.append(stations)
         roundings_rad = stations.rounding_samples
@@ -251,6 +254,7 @@ def _naive(session: Session) -> FrictionFit:
     from scipy.special import stdtrit
 
     from .paper_fit import two_lines
+    from .stations import Stations
 
     stations = Stations.from_session(session)
     values, covariance = two_lines(stations)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,10 +12,12 @@ from ..base.checks import count_text
 from ..base.errors import BadInput
 from ..session.session import Session, belt_note
 from .bends import BEND_ERROR
-from .parameters import Rows
+from .parameters import ZERO, ZERO_SIGMA_RAD, Rows
 from .posterior import MapEstimate
 from .result import DOUBTFUL, NO_ZERO, NOT_WEIGHED, FrictionFit
-from .stations import ZERO, ZERO_SIGMA_RAD, Stations
+
+if TYPE_CHECKING:
+    from .stations import Stations
 
 APART_CHI2 = 2 * math.log(10.0)  # one suspect is then ten times as likely as another
 MOVED_SIGMAS = 2.0  # difference of two zeros, in its sigma, beyond which a note says so
@@ -83,14 +86,10 @@ def check_floor(session: Session, estimate: MapEstimate) -> None:
         force = max(estimate.x[viscous] * fast + estimate.x[dry], 1e-9)
         relative_error = max(sigma[viscous] * fast, sigma[dry]) / force
         if not relative_error <= OPEN:
-            openness = (
-                f"are open by {relative_error:.0%} of the force"
-                if relative_error < 1.0
-                else "stay wholly open"
-            )
             raise BadInput(
                 f"{session.where}: {names} cannot be told from "
-                f"{count_text(len(session.kept_pushes), 'push')}: they {openness}; take {cure}"
+                f"{count_text(len(session.kept_pushes), 'push')}: their error is "
+                f"{min(relative_error, 1.0):.0%} of the force or more; take {cure}"
             )
 
 
@@ -109,7 +108,7 @@ def alarms_of(
             f"intervals. {_suspects_in_words(estimate, refits)}"
         )
     for kind in estimate.posterior.kinds:
-        if isinstance(kind, Stations):
+        if kind.on_belt:
             alarms += _against_the_law(kind, estimate)
     return tuple(alarms)
 
@@ -230,7 +229,7 @@ def _turned_round(session: Session) -> list[int]:
     return sorted(turned)
 
 
-def _against_the_law(stations: Stations, estimate: MapEstimate) -> list[str]:
+def _against_the_law(stations: Any, estimate: MapEstimate) -> list[str]:
     """Say where friction falls with speed, or a bent robot has less of it than a straight one.
 
     By one linear step from the MAP estimate, which no limit of 0 ends.

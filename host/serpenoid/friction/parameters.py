@@ -15,6 +15,10 @@ Rows = NDArray[np.bool_]  # which residuals
 Values = Mapping[str, Floats]  # of each parameter, (K,)
 
 FRICTIONS: tuple[str, ...] = ("ct", "cn", "ft0", "fn0")  # the whole snake's, in their order
+# Taken where a set-up claims a zero without error: an undeclared 0.1 degrees would leave ft0's 95 %
+# interval with 17 % coverage, so that the prior is never absent.
+ZERO_SIGMA_RAD = math.radians(0.1)
+ZERO, BELT = "incline_zero_rad", "belt_scale"
 ROUNDING = "rounding "  # begins the names of shared rounding errors
 
 

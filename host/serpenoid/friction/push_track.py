@@ -15,7 +15,6 @@ import numpy as np
 
 from .parameters import Floats
 from .rolling_law import integral, rest_point, way_m
-from .slip import slipped_places
 
 MIN_SPEED_M_S = 1e-3
 MIN_DRY_M_S2 = 1e-6  # of a push that would not come to rest: it then takes long, not for ever
@@ -81,6 +80,8 @@ class PushTrack:
             errors = (stop_m - self.along_m) / self.sigma_m, (stop_s - self.t_s) / self.sigma_s
             return np.stack(errors, axis=1)
         if self.slips:
+            from .slip import slipped_places
+
             places_m = slipped_places(self.t_s, self.chord_rad, start, law)
             residuals = (places_m - [self.along_m, self.left_m]) / self.place_sigma_m
             return np.concatenate([residuals[:, 0], residuals[:, 1], start[:, 4:]], axis=1)

@@ -45,6 +45,8 @@ class Pushes:
     and standard deviation. linear: what each tells near a point.
     """
 
+    on_belt = False
+
     tracks: tuple[PushTrack, ...]
     bends: Bends
     sign: Floats

@@ -13,7 +13,6 @@ the track's error in s_i. Shared are the bends' errors, the inclinometer's zero 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -23,8 +22,11 @@ from numpy.typing import NDArray
 from ..session.session import Session
 from .bends import Bends, resistance
 from .parameters import (
+    BELT,
     FRICTION_PARAMETERS,
     ROUNDING,
+    ZERO,
+    ZERO_SIGMA_RAD,
     Floats,
     Integers,
     Parameter,
@@ -36,10 +38,6 @@ from .rounding import shared_rounding
 if TYPE_CHECKING:
     from .drift import Drift
 
-# Taken where a set-up claims a zero without error: an undeclared 0.1 degrees would leave ft0's 95 %
-# interval with 17 % coverage, so that the prior is never absent.
-ZERO_SIGMA_RAD = math.radians(0.1)
-ZERO, BELT = "incline_zero_rad", "belt_scale"
 MIN_SIGMA_N = 1e-12  # least sigma of a reading, where frictions are 0 and nothing else errs
 
 
@@ -108,10 +106,8 @@ class Stations:
             belt_sigma=belt_sigma if session.on_floor else 0.0,
         )
 
-    @property
-    def slips(self) -> bool:
-        """Tell that robots on a belt are steered, and slip along it alone."""
-        return False
+    on_belt = True
+    slips = False  # robots on a belt are steered
 
     @property
     def fastest_m_s(self) -> float:

@@ -1,15 +1,19 @@
 """Fits of friction: known answers, honest intervals, and what an independent solver found."""
 
+import math
 import subprocess
 import sys
 from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
 import pytest
+from calibration.floor_sessions import short_session
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from refusals import refused
 from robots import NIRAKH_2005
 from serpenoid import fit_friction, load_session
+from serpenoid.session.journal import Journal
+from serpenoid.taking.new_session import create_session
 
 FRICTIONS = ("ct", "cn", "ft0", "fn0")
 TRUTH = np.array([getattr(WHOLE_BODY_2005, name) for name in FRICTIONS])
@@ -91,11 +95,20 @@ def test_too_little_to_fit_is_refused(spoil, says):
         fit_friction(replace(made, readings=tuple(spoil(made))))
 
 
-def test_a_fit_imports_few_modules_and_no_statistics():
+@pytest.mark.parametrize("place", ["belt", "floor"])
+def test_a_fit_imports_few_modules_and_no_statistics(place, tmp_path):
+    folder = str(NIRAKH_2005)
+    if place == "floor":
+        pushes = short_session()
+        folder = str(create_session(tmp_path / "s", pushes.setup))
+        with Journal(folder) as journal:
+            for push in pushes.readings:
+                cells = {"lambda_deg": math.degrees(push.lambda_rad), "way": push.way, "by": "film"}
+                journal.add("push", cells, samples=push.track.values)
     code = f"""if True:
         import sys
         import serpenoid as sn
-        sn.fit_friction(sn.load_session({str(NIRAKH_2005)!r}))
+        sn.fit_friction(sn.load_session({folder!r}))
         ours = [name for name in sys.modules if name.startswith("serpenoid")]
         print(len(ours), "scipy.stats" in sys.modules)
     """
