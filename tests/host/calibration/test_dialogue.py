@@ -1,11 +1,11 @@
-"""The dialogue with a made-up person: what a full disk, a silence and a lost robot leave."""
+"""A made-up person in the dialogue, word for word; a full disk, a silence and a lost robot."""
 
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from calibration.conversations import Typist
+from calibration.conversations import FILES, Typist, played
 from calibration.floor_sessions import TRUTH, push_track
 from command_line import serpenoid
 from robot.fake_board import eeprom_after
@@ -25,6 +25,12 @@ def talk(folder, *lines, robot=None, **given):
     with Journal(folder) as journal:
         Dialogue(journal, person, robot, **given).run()
         return person.heard, journal.session
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_it_is_said_as_it_is_written_down(file):
+    """People at the prompt, word for word: what they type, and all that is said to them."""
+    assert played(file) == file.read_text()
 
 
 ZERO = "0,1 -0.1"
