@@ -13,9 +13,9 @@ namespace serpenoid {
 namespace {
 
 using Vector = std::vector<double>;
-constexpr double kInside = 1 - 1e-15;     // what is not at its bound
-constexpr double kRounding = 1e-13;       // of the largest number
-constexpr double kRegularisation = 1e-9;  // added to a diagonal, of its size
+constexpr double kInside = 1 - 1e-15;     // share of a bound that is not at it yet
+constexpr double kRounding = 1e-13;       // rounding, as a share of the largest number
+constexpr double kRegularisation = 1e-9;  // share of a diagonal that is added to it
 
 }  // namespace
 

@@ -42,7 +42,7 @@ struct PositiveMean {
     double net;  // mean of both signs, by Boole's rule
 
   private:
-    static constexpr double kGain = 8;  // 16 in the limit of short panels
+    static constexpr double kGain = 8;  // ratio of errors when panels are halved; 16 for short ones
 };
 
 }  // namespace serpenoid

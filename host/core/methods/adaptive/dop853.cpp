@@ -20,7 +20,7 @@ Dop853::Dop853(System& system, const std::vector<double>& scale, double toleranc
       z_(dim_),
       k_(kAll * dim_),
       dense_(7 * dim_) {
-    constexpr double kFirstStep = 0.01;  // of the motion's unit of time
+    constexpr double kFirstStep = 0.01;  // share of the motion's unit of time
     h_next_ = kFirstStep * scale[0] / scale[system.coordinates()];
     for (int i = 0; i < dim_; ++i) weight_[i] = 1 / (scale[i] * tolerance);
 }

@@ -31,11 +31,14 @@ class ModeSteps final : public Method {
     double local_error() const override { return smooth_->local_error(); }
 
   private:
-    static constexpr int kSamples = 8;    // at a step, for the end of a mode in it
-    static constexpr int kHalvings = 10;  // between two looks, for a margin's least value
-    static constexpr int kMostAtOnce = 300;
-    static constexpr int kStiffSteps = 12;
-    static constexpr double kNothing = 1e3;  // times shortest: between two ends at once
+    static constexpr int kSamples = 8;  // samples of a step, for the end of a mode in it
+    static constexpr int kHalvings =
+        10;  // halvings between two samples, for a margin's least value
+    static constexpr int kMostAtOnce =
+        300;                                // ends of modes without progress, before a run gives up
+    static constexpr int kStiffSteps = 12;  // stiff steps, more than others, before implicit ones
+    static constexpr double kNothing =
+        1e3;  // multiple of the shortest time that is no progress yet
     struct Sample {
         double t;
         std::vector<double> margin;
