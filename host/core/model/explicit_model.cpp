@@ -7,23 +7,45 @@
 namespace serpenoid {
 
 TailMotion tail_motion(const Robot& robot, const double* joint_accel, Chain& k) {
-    TailSums sums{k.fx[0], k.fy[0]};
-    LinkPath path{};
-    HalfLink previous = half_link(robot.l, k.c[0], k.s[0], k.omega[0], 0);
+    const double l = robot.l, m = robot.m, mass = robot.n * m, share = 1.0 / robot.n;
+    double fx = k.fx[0], fy = k.fy[0], moment = 0, Rx = 0, Ry = 0, square = 0, turns = 0;  // sums
+    double rx = 0, ry = 0, bx = 0, by = 0, turn = 0;
+    double last_x = l * k.c[0], last_y = l * k.s[0];
+    const double first_square = k.omega[0] * k.omega[0];
+    double last_bx = -first_square * last_x, last_by = -first_square * last_y;
     k.ax[0] = 0;
     k.ay[0] = 0;
     k.alpha[0] = 0;
     for (int i = 1; i < k.n(); ++i) {
-        path.turn += joint_accel[i - 1];
-        const HalfLink next = half_link(robot.l, k.c[i], k.s[i], k.omega[i], path.turn);
-        path.pass(previous, next);
-        previous = next;
-        k.ax[i] = path.b_x;
-        k.ay[i] = path.b_y;
-        k.alpha[i] = path.turn;
-        sums.add(robot.m, path, k.fx[i], k.fy[i]);
+        turn += joint_accel[i - 1];
+        const double rate_square = k.omega[i] * k.omega[i];
+        const double half_x = l * k.c[i], half_y = l * k.s[i];  // half a link
+        const double half_bx = -turn * half_y - rate_square * half_x;
+        const double half_by = turn * half_x - rate_square * half_y;
+        rx += last_x + half_x;
+        ry += last_y + half_y;
+        bx += last_bx + half_bx;
+        by += last_by + half_by;
+        last_x = half_x;
+        last_y = half_y;
+        last_bx = half_bx;
+        last_by = half_by;
+        k.ax[i] = bx;
+        k.ay[i] = by;
+        k.alpha[i] = turn;
+        const double gx = k.fx[i] - m * bx, gy = k.fy[i] - m * by;
+        fx += gx;
+        fy += gy;
+        moment += rx * gy - ry * gx;
+        Rx += rx;
+        Ry += ry;
+        square += rx * rx + ry * ry;
+        turns += turn;
     }
-    return sums.solve(robot);
+    // without x'' and y'': the inertia about the centre
+    const double J = robot.n * robot.I + m * (square - share * (Rx * Rx + Ry * Ry));
+    const double alpha = (moment - robot.I * turns + share * (Ry * fx - Rx * fy)) / J;
+    return {(fx + m * Ry * alpha) / mass, (fy - m * Rx * alpha) / mass, alpha};
 }
 
 void explicit_angle(const Robot& robot, const double* joint_accel, Chain& k) {

@@ -2,15 +2,26 @@
 #pragma once
 
 #include "model/chain.hpp"
-#include "model/tail_acceleration.hpp"
 
 namespace serpenoid {
 
 // These take a chain whose angles, rates, positions, velocities, directions and friction are
 // filled, and fill its accelerations or the forces and torques of the joints.
 
-// Joint angles imposed: `joint_accel[j]` = phi_j'' for j = 0..n-2. The acceleration of link 1, by
-// the equations of tail_acceleration.hpp; the chain gets b_i and s_i'' in place of its own.
+// Acceleration of link 1.
+struct TailMotion {
+    double ax, ay, alpha;
+};
+
+// Joint angles imposed: `joint_accel[j]` = phi_j'' for j = 0..n-2; three equations, summed link by
+// link. The chain gets b_i and s_i'' in place of its accelerations.
+// With r_i = c_i - c_1, s_i'' = sum of phi_j'' for j < i, and
+//     a_i = a_1 + theta_1'' z x r_i + b_i,   b_1 = 0,
+//     b_{i+1} = b_i + l(s_i'' n_i - w_i^2 t_i + s_{i+1}'' n_{i+1} - w_{i+1}^2 t_{i+1}),
+// the sums of force and of moment about c_1 over all links are
+//     nm x'' - m R_y theta_1'' = sum f_x - m B_x,    nm y'' + m R_x theta_1'' = sum f_y - m B_y,
+//     m (R_x y'' - R_y x'') + J theta_1'' = sum r x (f - m b) - I sum s'',
+// R = sum r, B = sum b, J = n I + m sum |r|^2; x'' and y'' are eliminated first.
 TailMotion tail_motion(const Robot& robot, const double* joint_accel, Chain& chain);
 
 // The same, and the accelerations of all links.

@@ -36,26 +36,6 @@ double first_tolerance(double rtol) {
 
 }  // namespace
 
-// The line through the last two rates' states, over the period, unless that is far from both.
-Vec3 SteadyByPieces::guess(double omega) const {
-    constexpr double kMaxSteps = 3.5;  // beyond the last state, in steps between the two
-    if (solutions_.size() < 2) return solutions_.back().start;
-    const Solution &first = solutions_[0], &last = solutions_[1];
-    const double steps = (1 / omega - 1 / last.omega) / (1 / last.omega - 1 / first.omega);
-    Vec3 start = last.start;
-    for (int i = 0; i < 3 && std::fabs(steps) <= kMaxSteps; ++i)
-        start[i] += steps * (last.start[i] - first.start[i]);
-    return start;
-}
-
-// Keep a state for the rates to come; after one that failed they begin anew.
-void SteadyByPieces::remember(double omega, const Vec3& start, bool converged) {
-    if (!converged) solutions_.clear();
-    std::erase_if(solutions_, [&](const Solution& k) { return k.omega == omega; });
-    if (solutions_.size() == 2) solutions_.erase(solutions_.begin());
-    if (converged) solutions_.push_back({omega, start});
-}
-
 // Joints at rest give no scales. Disturbances decay as in the smallest waves; speed and power are
 // zero.
 SteadyState SteadyByPieces::at_rest(double omega, const SteadyOptions& options) const {
@@ -104,15 +84,16 @@ SteadyState SteadyByPieces::solve(double omega, const SteadyOptions& options, co
     gait_.omega = omega;
     const Acceptance accepted(options, robot_, ground_, omega);
     SlidingCycle map(robot_, ground_, gait_, kMaxPieces / robot_.n);
-    FixedPoint point(map, promising_ && solutions_.size() > 1);
+    FixedPoint point(map, promising_ && last_);
     SteadyState best = SteadyState::unknown();
-    if (start || !solutions_.empty()) {
-        point.start = start ? map.scaled(*start) : guess(omega);
+    if (start || last_) {
+        point.start = start ? map.scaled(*start) : *last_;
         best = Refinement(map, point, options).refine(first_tolerance(options.rtol), accepted);
     }
     if (!best.converged) search_from_rest(map, point, accepted, options, best);
     promising_ = point.promising();
-    remember(omega, point.start, best.converged);
+    last_.reset();
+    if (best.converged) last_ = point.start;
     if (!best.converged && options.rtol < kWidest) {  // where wheels chatter tight pieces break off
         SteadyOptions wider = options;
         wider.rtol *= 10;

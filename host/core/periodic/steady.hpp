@@ -6,14 +6,14 @@
 // state found is the answer, with its errors.
 #pragma once
 
-#include <vector>
+#include <optional>
 
 #include "periodic/fixed_point.hpp"
 #include "periodic/periodic_state.hpp"
 
 namespace serpenoid {
 
-// Solves for one shape and any number of rates; each starts from the ones before.
+// Solves for one shape and any number of rates; each starts from the one before.
 class SteadyByPieces {
   public:
     SteadyByPieces(const Robot& robot, const Ground& ground, const Gait& gait)
@@ -21,27 +21,21 @@ class SteadyByPieces {
     // Starts from the last state of a neighbour.
     SteadyByPieces(const Robot& robot, const Ground& ground, const Gait& gait,
                    const SteadyByPieces& neighbour)
-        : robot_(robot), ground_(ground), gait_(gait), solutions_(neighbour.solutions_) {}
+        : robot_(robot), ground_(ground), gait_(gait), last_(neighbour.last_) {}
 
     // `start`: velocities in the body frame at phase 0 from which the search begins.
     SteadyState solve(double omega, const SteadyOptions& options, const Vec3* start = nullptr);
 
   private:
-    struct Solution {  // of an earlier rate
-        double omega;
-        Vec3 start;
-    };
     SteadyState at_rest(double omega, const SteadyOptions& options) const;
     void search_from_rest(CycleMap& map, FixedPoint& point, const Acceptance& accepted,
                           const SteadyOptions& options, SteadyState& best) const;
-    Vec3 guess(double omega) const;
-    void remember(double omega, const Vec3& start, bool converged);
 
     Robot robot_;
     Ground ground_;
     Gait gait_;
-    bool promising_ = false;           // guesses are so good that the first map may do
-    std::vector<Solution> solutions_;  // of up to two rates, the last one last
+    bool promising_ = false;    // starts are so good that the first map may do
+    std::optional<Vec3> last_;  // start of the last rate's state, where it was found
 };
 
 }  // namespace serpenoid
