@@ -96,6 +96,11 @@ def parsed_number(name: str, text: str) -> float:
     return int(number) if number.is_integer() else number
 
 
+def plain_text(_name: str, text: str) -> str:
+    """Return a typed text as it is."""
+    return text
+
+
 @dataclass(frozen=True)
 class Setting:
     """One name that `--set NAME=VALUE` takes.

@@ -27,6 +27,7 @@ from .declare import (
     number,
     option,
     parsed_number,
+    plain_text,
     refuse_unused,
     settings,
 )
@@ -275,7 +276,7 @@ COST = Setting(
     "cost",
     "mean power to make least: power, abs_power or positive_power",
     usual="power",
-    read=lambda _name, text: text,
+    read=plain_text,
 )
 
 

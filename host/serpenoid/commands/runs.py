@@ -27,6 +27,7 @@ from .declare import (
     number,
     option,
     parsed_number,
+    plain_text,
     refuse_unused,
     settings,
 )
@@ -53,10 +54,6 @@ def _list(read: Callable[[str, str], Any]) -> Callable[[str, str], list[Any]]:
     return lambda name, text: [] if text == "none" else [read(name, x) for x in text.split(",")]
 
 
-def _text(_name: str, text: str) -> str:
-    return text
-
-
 METHODS = tuple(row["name"] for row in _core.method_table())
 ANGLES = {"incline_deg", "incline_direction_deg"}
 # Fields of Scene, angles in degrees. Joint torques and locked joints are for scene files.
@@ -65,14 +62,18 @@ SCENE = (
     Setting("limp", "joints without torque, from 1 at the tail: 2,4", read=_list(parsed_number)),
     Setting("dt_s", "time step", "s", usual="0.001"),
     Setting("tolerance", "of methods that pick their steps", usual="1e-7"),
-    Setting("start", f"state at time 0: {', '.join(STARTS)}", usual="zero_momentum", read=_text),
+    Setting(
+        "start", f"state at time 0: {', '.join(STARTS)}", usual="zero_momentum", read=plain_text
+    ),
     Setting(
         "gap",
         f"implicit model: how the joints start open: {', '.join(GAPS)}",
         usual=GAPS[0],
-        read=_text,
+        read=plain_text,
     ),
-    Setting("record", "what to keep beside the motion: joints,friction,energy", read=_list(_text)),
+    Setting(
+        "record", "what to keep beside the motion: joints,friction,energy", read=_list(plain_text)
+    ),
     Setting(
         "record_every",
         "time steps between records",
