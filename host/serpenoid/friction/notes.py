@@ -290,7 +290,9 @@ def _suspects_in_words(estimate: MapEstimate, refits: Mapping[str, MapEstimate |
     if not sound:
         return "No reading can be left out to see which one is wrong: take more."
     rows = len(estimate.residuals)
-    score = {w: fit.chi2 + 2.0 * (rows - np.count_nonzero(fit.counts)) for w, fit in sound.items()}
+    score = {
+        w: fit.chi2 + 2.0 * (rows - np.count_nonzero(fit.residuals)) for w, fit in sound.items()
+    }
     named = [words for words in sound if score[words] < min(score.values()) + APART_CHI2]
     numbers = sorted(int(w.removeprefix(READING)) for w in named if w.startswith(READING))
     parts = [READING + _listed(list(map(str, numbers)))] if numbers else []

@@ -80,14 +80,10 @@ SAMPLING, SOLVING = Sampling(), Solving()
 
 @dataclass(frozen=True)
 class MapEstimate:
-    """The point x (D,) of highest density, with residuals and slopes there; 0 of omitted rows.
-
-    counts: which rows are not omitted.
-    """
+    """The point x (D,) of highest density, with residuals and slopes there; 0 of omitted rows."""
 
     posterior: Posterior
     x: Floats
-    counts: Rows
     residuals: Floats
     slopes: Floats
 
@@ -117,15 +113,15 @@ class MapEstimate:
         Films stay linear. It is sought by the slopes here; where that does not settle, by the
         solver.
         """
-        posterior, x = self.posterior, self.x
-        gain = posterior.estimate_at(x, omitted).covariance @ self.slopes.T
+        posterior, x, weights = self.posterior, self.x, np.where(omitted, 0.0, 1.0)
+        gain = posterior.estimate_at(x, weights).covariance @ self.slopes.T
         size = np.linalg.norm(self.slopes, axis=0)
         for _ in range(SOLVING.refit_steps):
-            step = gain @ (~omitted * posterior.residuals(x[None])[0])
+            step = gain @ (weights * posterior.residuals(x[None])[0])
             x = np.maximum(x - step, posterior.low)
             if (np.abs(step) * size < SOLVING.refit_sigmas).all() and (x > posterior.low).all():
-                return posterior.estimate_at(x, omitted)
-        return posterior.estimate_at(posterior.minimum(self.x, omitted), omitted)
+                return posterior.estimate_at(x, weights)
+        return posterior.estimate_at(posterior.minimum(self.x, weights), weights)
 
     @property
     def values(self) -> dict[str, Floats]:
@@ -256,15 +252,14 @@ class Posterior:
                 return posterior.estimate_at(x)
         raise NotConverged("the fit came to no end")
 
-    def minimum(self, start: Floats, omitted: Rows | None = None) -> Floats:
-        """Return where the sum of squares is least (D,); omitted: as for `estimate_at`."""
+    def minimum(self, start: Floats, weights: Floats | float = 1.0) -> Floats:
+        """Return where the sum of squares is least (D,); weights: as for `estimate_at`."""
         from scipy.optimize import least_squares
 
-        counts = np.ones((len(self.numbers), 1)) if omitted is None else ~omitted[:, None]
         solved = least_squares(
-            lambda x: counts[:, 0] * self.residuals(x[None])[0],
+            lambda x: weights * self.residuals(x[None])[0],
             np.maximum(start, self.low + 1e-9),
-            jac=lambda x: counts * self.slopes(x),  # pyright: ignore[reportArgumentType]
+            jac=lambda x: (weights * self.slopes(x).T).T,  # pyright: ignore[reportArgumentType]
             bounds=(self.low, np.inf),
             x_scale="jac",
             **dict.fromkeys(("xtol", "ftol", "gtol"), 1e-12),
@@ -277,11 +272,10 @@ class Posterior:
         zero = (np.arange(len(size)) < COUNT) & (solved.x * size < SOLVING.zero_sigmas)
         return np.where(zero, 0.0, solved.x)
 
-    def estimate_at(self, x: Floats, omitted: Rows | None = None) -> MapEstimate:
-        """Return residuals and slopes at a point (D,); omitted: residuals that do not count."""
-        counts = np.ones(len(self.numbers), bool) if omitted is None else ~omitted
-        residuals = counts * self.residuals(x[None])[0]
-        return MapEstimate(self, x, counts, residuals, counts[:, None] * self.slopes(x))
+    def estimate_at(self, x: Floats, weights: Floats | float = 1.0) -> MapEstimate:
+        """Return residuals and slopes at a point (D,); weights: (rows,), 0 of what is omitted."""
+        residuals = weights * self.residuals(x[None])[0]
+        return MapEstimate(self, x, residuals, (weights * self.slopes(x).T).T)
 
     def samples(self, estimate: MapEstimate, seed: int) -> Samples:
         """Return weighted samples about an estimate; particles where those are worth too few."""
