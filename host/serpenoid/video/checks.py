@@ -24,7 +24,7 @@ from .seeing.watch import Watched
 SURELY = 4.0  # Standard deviations beyond which the floor has moved.
 MOVED_REFUSE = 0.06  # Largest shift of the floor, in sides of a tag.
 BLUR_CELLS, BLUR_PX = 0.2, 1.0  # Width of an edge, in cells of the tag, and at least.
-# Films of 1/30 s of exposure, 25 ms of readout, 48 degrees aslant: errors over sigmas, rms.
+# Errors over sigmas, rms, of films of 1/30 s of exposure, 25 ms of readout, 48 degrees aslant.
 BLURRED = 2.5
 CENTRE_RAD = math.radians(1.0)  # Error of a joint's centre from which a trim is worth it.
 PHASE_RAD = math.radians(45.0)  # Lag behind the other joints that no servo has.

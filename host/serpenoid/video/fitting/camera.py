@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from ..arrays import Array
 from .chain import link_centres
 
-# The unknowns that all frames share: these, then MOUNTING of every link.
+# Unknowns that all frames share: these, then MOUNTING of every link.
 LENS = (
     "log_focal",
     "k1",

@@ -8,7 +8,7 @@ from .detect import dictionary
 from .edges import CELLS
 
 MOST_LINKS = 13
-# Far apart, so that a link's length that is typed a little wrong leaves the side as it was printed.
+# Sides of tags, far apart: a link's length that is typed a little wrong leaves the printed side.
 SIDES_MM = (8, 10, 12, 14, 17, 20, 24, 28, 34, 40, 48, 58)
 
 
