@@ -9,10 +9,10 @@ namespace serpenoid {
 TailMotion tail_motion(const Robot& robot, const double* joint_accel, Chain& k) {
     const double l = robot.l, m = robot.m, mass = robot.n * m, share = 1.0 / robot.n;
     double fx = k.fx[0], fy = k.fy[0], moment = 0, Rx = 0, Ry = 0, square = 0, turns = 0;  // sums
-    double rx = 0, ry = 0, bx = 0, by = 0, turn = 0;
+    double rx = 0, ry = 0, known_x = 0, known_y = 0, turn = 0;  // r, b, s'' of a link
     double last_x = l * k.c[0], last_y = l * k.s[0];
     const double first_square = k.omega[0] * k.omega[0];
-    double last_bx = -first_square * last_x, last_by = -first_square * last_y;
+    double last_known_x = -first_square * last_x, last_known_y = -first_square * last_y;
     k.ax[0] = 0;
     k.ay[0] = 0;
     k.alpha[0] = 0;
@@ -20,20 +20,20 @@ TailMotion tail_motion(const Robot& robot, const double* joint_accel, Chain& k) 
         turn += joint_accel[i - 1];
         const double rate_square = k.omega[i] * k.omega[i];
         const double half_x = l * k.c[i], half_y = l * k.s[i];  // half a link
-        const double half_bx = -turn * half_y - rate_square * half_x;
-        const double half_by = turn * half_x - rate_square * half_y;
+        const double half_known_x = -turn * half_y - rate_square * half_x;
+        const double half_known_y = turn * half_x - rate_square * half_y;
         rx += last_x + half_x;
         ry += last_y + half_y;
-        bx += last_bx + half_bx;
-        by += last_by + half_by;
+        known_x += last_known_x + half_known_x;
+        known_y += last_known_y + half_known_y;
         last_x = half_x;
         last_y = half_y;
-        last_bx = half_bx;
-        last_by = half_by;
-        k.ax[i] = bx;
-        k.ay[i] = by;
+        last_known_x = half_known_x;
+        last_known_y = half_known_y;
+        k.ax[i] = known_x;
+        k.ay[i] = known_y;
         k.alpha[i] = turn;
-        const double gx = k.fx[i] - m * bx, gy = k.fy[i] - m * by;
+        const double gx = k.fx[i] - m * known_x, gy = k.fy[i] - m * known_y;
         fx += gx;
         fy += gy;
         moment += rx * gy - ry * gx;

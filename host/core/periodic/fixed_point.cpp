@@ -13,6 +13,23 @@ double size(const Vec3& a) { return std::max({std::fabs(a[0]), std::fabs(a[1]), 
 // The inner product of the kinetic energy, but for a factor: friction draws motions together in it.
 double inner(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] / 12; }
 
+// Newton's steps, in units of the scales. With these one of 600 dry gaits of 3 to 12 links, with
+// friction over decades, is lost at a tolerance of 1e-4.
+struct NewtonSteps {
+    int max_iterations = 40;
+    double first_length = 2;      // longest first step
+    double lengthening = 3;       // of the longest step, after a limited one that helped
+    double shortest_part = 0.01;  // of a step: a shorter one does not help
+    double min_cut = 0.1;         // parts of a step between which the secant cuts it at once
+    double max_cut = 0.5;
+    double below_goal = 0.1;      // of the goal: a residual there is rounding
+    double first_damping = 1e-6;  // of the one that alone would make a step so short
+    double more_damping = 4;      // a damping over the one before
+    double promising = 1e-3;      // a cycle's change, where Newton's method may do at once
+    int cycles = 4;               // followed where no part of a step helps
+};
+constexpr NewtonSteps kNewtonSteps;
+
 }  // namespace
 
 double Orbit::extrapolate(double value, int row, const Vec3& scale) const {
@@ -69,22 +86,20 @@ bool FixedPoint::shorten(const Orbit& orbit, double max_size, Vec3& d) const {
     const Vec3& r = orbit.residual;
     const auto fits = [&] { return size(d) <= max_size && inner(r, d) >= 0; };
     if (fits()) return false;
-    constexpr double kFirstDamping = 1e-6;  // of the one that alone would make it so short
-    constexpr double kStronger = 4;         // a damping over the one before
-    for (double damping = kFirstDamping * size(r) / max_size; damping < 1; damping *= kStronger)
+    for (double damping = kNewtonSteps.first_damping * size(r) / max_size; damping < 1;
+         damping *= kNewtonSteps.more_damping)
         if (step(orbit, damping, d) && fits()) return true;
     for (int k = 0; k < 3; ++k) d[k] = r[k] * std::min(1.0, max_size / size(r));
     return true;
 }
 
 bool FixedPoint::follow_cycles(int max_cycles, double settled, double tolerance, double share) {
-    constexpr double kPromising = 1e-3;  // a cycle's change, over the scales
     for (int i = 0; i < max_cycles; ++i, share = 1) {
         Orbit orbit;
         if (!evaluate({tolerance}, orbit)) return false;
         for (int k = 0; k < 3; ++k) start[k] += share * orbit.residual[k];
         const double change = share * size(orbit.residual);
-        promising_ = change < kPromising;
+        promising_ = change < kNewtonSteps.promising;
         if (change < settled) break;
     }
     return true;
@@ -97,31 +112,25 @@ bool FixedPoint::follow_cycles(int max_cycles, double settled, double tolerance,
 // is accepted and the next may be longer. A step that went too far is cut by the secant. When that
 // does not help, a few cycles are followed.
 FixedPoint::Ended FixedPoint::solve(double tolerance, double goal, bool work, Orbit& orbit) {
-    constexpr int kMaxIterations = 40;
-    constexpr double kFirstStep = 2;    // longest one, in units of the scales
-    constexpr double kShortest = 0.01;  // part of a step: a shorter one does not help
-    constexpr double kBelowGoal = 0.1;  // of the goal: a residual there is rounding
-    constexpr double kLeastPart = 0.1;  // of a step, to which the secant cuts it at once
-    constexpr double kMostPart = 0.5;
-    constexpr int kCycles = 4;  // are followed
     Vec3 last_start = start, last_step{};
-    double last_size = HUGE_VAL, part = 1, max_size = kFirstStep, progress_begin = 0;
+    double last_size = HUGE_VAL, part = 1, max_size = kNewtonSteps.first_length, progress_begin = 0;
     bool limited = false;
-    for (int i = 0; i < kMaxIterations; ++i) {
+    for (int i = 0; i < kNewtonSteps.max_iterations; ++i) {
         const bool with_work = work && (i > 0 || start_solved || promising_);
         if (!evaluate({tolerance, with_work}, orbit)) return Ended::broken;
         const double residual = size(orbit.residual);
         const double progress = inner(orbit.residual, last_step);
-        if (residual > last_size && residual > kBelowGoal * goal && !(progress > 0)) {
-            part *= std::clamp(progress_begin / (progress_begin - progress), kLeastPart, kMostPart);
+        if (residual > last_size && residual > kNewtonSteps.below_goal * goal && !(progress > 0)) {
+            part *= std::clamp(progress_begin / (progress_begin - progress), kNewtonSteps.min_cut,
+                               kNewtonSteps.max_cut);
             start = last_start;
-            if (part > kShortest) {
+            if (part > kNewtonSteps.shortest_part) {
                 for (int k = 0; k < 3; ++k) start[k] += part * last_step[k];
                 max_size = part * size(last_step);
             } else {
                 last_size = HUGE_VAL;
                 part = 1;
-                if (!follow_cycles(kCycles, goal, tolerance)) return Ended::broken;
+                if (!follow_cycles(kNewtonSteps.cycles, goal, tolerance)) return Ended::broken;
             }
             continue;
         }
@@ -133,7 +142,7 @@ FixedPoint::Ended FixedPoint::solve(double tolerance, double goal, bool work, Or
             start = orbit.next_start();
             return Ended::converged;
         }
-        if (part == 1 && limited) max_size *= 3;
+        if (part == 1 && limited) max_size *= kNewtonSteps.lengthening;
         limited = shorten(orbit, max_size, d);
         last_size = residual;
         last_start = start;

@@ -11,6 +11,37 @@ namespace serpenoid {
 
 namespace {
 
+// What an error is stated as, by the changes from level to level. Held by random states of other
+// code (tests/host/periodic/test_random_truth.py); smooth pieces gain so much from a level to the
+// next that its change tells all but rounding.
+struct ErrorWeights {
+    double change;            // of the last change: on smooth ground it may be half of the error
+    double last_change;       // of the change before: one may be small by luck
+    double last_multiplier;   // the same of the multiplier's logarithm
+    double multiplier = 5;    // of its last change: derivatives jump where the modes do
+    double state = 0.8;       // of the start's change and the map's error
+    double luck = 0.15;       // a power seldom changes by less than this of a tolerance
+    double rounding = 1e-15;  // of a map on smooth ground, over the scales
+    double turn = 1e-14;      // rad, least error
+    double settling = 4;      // least error of the multiplier's logarithm, over what is asked
+};
+constexpr ErrorWeights kSmoothErrors{2, 0.3, 1}, kDryErrors{1, 0.05, 0.3};
+
+// Tolerances of the levels, and Newton's last step on each. Exact derivatives stand for that step,
+// and miss its square.
+struct Levels {
+    double tolerances = 60;       // of the last step
+    double roots = 0.7;           // of a tolerance, the same on dry ground where that is longer
+    double first_goal = 2.0 / 3;  // of the goal, while the start is not good to a tolerance
+    double min_goal = 1e-9;
+    double rough_goal = 0.005;  // its square is what a rough speed may be off by
+    double tighter = 0.05;      // a tolerance over the one before
+    double tightest = 1e-13;
+    double first_smooth = 1e-6;  // on smooth ground even a loose level costs as much
+    int tries = 3;               // levels that may break off
+};
+constexpr Levels kLevels;
+
 // The derivative over a period in (Vx, Vy, L), of that of the image by p.
 Mat3 monodromy_of(Mat3 M, const CycleMap& map) {
     for (int i = 0; i < 2; ++i) {
@@ -69,24 +100,16 @@ void Refinement::add_positive(const JointWork& work, double remainder, SteadySta
 }
 
 // Error of a level: its change from the level before, and the effects of the start's change and of
-// the map's error. Smooth pieces gain so much from a level to the next that its change tells all
-// but rounding.
+// the map's error.
 void Refinement::state_errors(const Orbit& orbit, double tolerance, SteadyState& next) {
-    constexpr double kState = 0.8;        // of the start's change and the map's error
-    constexpr double kLuck = 0.15;        // a power seldom changes by less than this of a tolerance
-    constexpr double kRounding = 1e-15;   // of a map on smooth ground, over the scales
-    constexpr double kLeastTurn = 1e-14;  // rad
-    constexpr double kSlowest = 5;        // of a change of the multiplier's logarithm
-    constexpr double kLeastSettling = 4;  // of what is asked: levels may agree by luck
     const bool smooth = map_.smooth();
-    const double by_change = smooth ? 2 : 1;            // smooth: a change may be half of the error
-    const double by_last_change = smooth ? 0.3 : 0.05;  // one change may be small by luck
-    const double by_map = smooth ? kRounding : tolerance;
+    const ErrorWeights& weights = smooth ? kSmoothErrors : kDryErrors;
+    const double by_map = smooth ? weights.rounding : tolerance;
     const Vec3 &scale = map_.scale(), start = orbit.next_start();
     double moved = 0;
     for (int k = 0; k < 3; ++k) moved = std::max(moved, std::fabs(start[k] - last_start_[k]));
     last_start_ = start;
-    const double state = kState * (by_change * moved + by_map * orbit.condition());
+    const double state = weights.state * (weights.change * moved + by_map * orbit.condition());
     const double watts = state * orbit.sensitivity(CycleState::kDissipated, scale) / map_.time();
     double mismatch = 0;  // W, of the joints' net work and what friction took
     if (options_.powers) {
@@ -102,38 +125,34 @@ void Refinement::state_errors(const Orbit& orbit, double tolerance, SteadyState&
             : std::fabs(next.log_largest_multiplier - coarse_.log_largest_multiplier)};
     const auto error = [&](double Change::* field, double remainder, double value) {
         const double sum =
-            by_change * change.*field + by_last_change * last_change_.*field + remainder;
+            weights.change * change.*field + weights.last_change * last_change_.*field + remainder;
         return stated_error(sum, options_.rtol, value);
     };
     next.speed_error = error(&Change::speed, state * scale[0] / map_.nm(), next.speed);
     next.power_error =
-        error(&Change::power, kLuck * by_map * next.power + watts + mismatch, next.power);
-    const double radians = kLuck * by_map + state * orbit.sensitivity(CycleState::kTheta, scale);
-    next.turn_error = std::max(error(&Change::turn, radians, next.turn), kLeastTurn);
-    // derivatives jump where the sequence of modes does: one change tells little of the next
-    const double by_last = smooth ? 1 : 0.3;
-    next.log_multiplier_error = std::max(
-        kSlowest * change.log_largest_multiplier + by_last * last_change_.log_largest_multiplier,
-        kLeastSettling * options_.rtol * std::fabs(next.log_largest_multiplier));
+        error(&Change::power, weights.luck * by_map * next.power + watts + mismatch, next.power);
+    const double radians =
+        weights.luck * by_map + state * orbit.sensitivity(CycleState::kTheta, scale);
+    next.turn_error = std::max(error(&Change::turn, radians, next.turn), weights.turn);
+    next.log_multiplier_error =
+        std::max(weights.multiplier * change.log_largest_multiplier +
+                     weights.last_multiplier * last_change_.log_largest_multiplier,
+                 weights.settling * options_.rtol * std::fabs(next.log_largest_multiplier));
     if (orbit.end.simultaneous_events)
         next.log_multiplier_error =
             std::max(next.log_multiplier_error, std::fabs(next.log_largest_multiplier));
     last_change_ = first_ ? Change{} : change;
 }
 
-// Newton's last step: exact derivatives stand for it, and miss its square. So it is as long as so
-// many tolerances, or as their square root where that is longer; smooth pieces are too accurate for
-// that.
+// Newton's last step is as long as so many tolerances, or as their square root where that is
+// longer; smooth pieces are too accurate for that.
 FixedPoint::Ended Refinement::level(double tolerance, SteadyState& next) {
-    constexpr double kTolerances = 60;
-    constexpr double kRoots = 0.7;
-    constexpr double kFirst = 2.0 / 3;  // of the goal, while the start is not good to a tolerance
-    constexpr double kLeast = 1e-9;
-    constexpr double kRough = 0.005;  // its square is what a rough speed may be off by
-    const double root = map_.smooth() ? 0 : kRoots * std::sqrt(tolerance);
-    const double longest = std::max(kTolerances * tolerance, root);
+    const double root = map_.smooth() ? 0 : kLevels.roots * std::sqrt(tolerance);
+    const double longest = std::max(kLevels.tolerances * tolerance, root);
     const double goal =
-        options_.rough ? kRough : std::max((point_.start_solved ? 1 : kFirst) * longest, kLeast);
+        options_.rough
+            ? kLevels.rough_goal
+            : std::max((point_.start_solved ? 1 : kLevels.first_goal) * longest, kLevels.min_goal);
     Orbit orbit;
     const auto ended = point_.solve(tolerance, goal, options_.powers, orbit);
     if (ended != FixedPoint::Ended::converged) return ended;
@@ -147,19 +166,16 @@ FixedPoint::Ended Refinement::level(double tolerance, SteadyState& next) {
 
 // A level that breaks off at one tolerance mostly succeeds at another, so it has several tries.
 SteadyState Refinement::refine(double first_tolerance, const Acceptance& accepted) {
-    constexpr double kTighter = 0.05;  // a tolerance over the one before
-    constexpr double kTightest = 1e-13;
-    constexpr double kFirstSmooth = 1e-6;  // on smooth ground even a loose level costs as much
-    constexpr int kTries = 3;
     SteadyState best = SteadyState::unknown();
     last_start_ = point_.start;
     point_.start_solved = false;
-    double tolerance = map_.smooth() ? std::min(first_tolerance, kFirstSmooth) : first_tolerance;
-    for (int broken = 0; tolerance > kTightest;) {
+    double tolerance =
+        map_.smooth() ? std::min(first_tolerance, kLevels.first_smooth) : first_tolerance;
+    for (int broken = 0; tolerance > kLevels.tightest;) {
         SteadyState next;
         const auto ended = level(tolerance, next);
         if (ended != FixedPoint::Ended::converged) {
-            if (++broken == kTries) break;
+            if (++broken == kLevels.tries) break;
             if (point_.start_solved || ended == FixedPoint::Ended::broken)
                 point_.start = last_start_;
             tolerance /= 2;
@@ -174,7 +190,7 @@ SteadyState Refinement::refine(double first_tolerance, const Acceptance& accepte
         if (next.converged) break;
         coarse_ = next;
         first_ = false;
-        tolerance *= kTighter;
+        tolerance *= kLevels.tighter;
     }
     return best;
 }

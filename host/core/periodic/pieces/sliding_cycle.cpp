@@ -9,6 +9,24 @@ namespace serpenoid {
 
 namespace {
 
+// Lengths of pieces, rad, and what may happen on their way.
+struct PieceLengths {
+    double longest = 0.8;  // beyond it Newton's method seldom converges
+    double smooth = 0.57;  // on smooth ground, at the tolerance below
+    double smooth_tolerance = 6e-7;
+    double shortest = 1e-10;
+    double min_first = 1e-3;     // of the next cycle: the last one may have broken off
+    double rounding = 1e-9;      // a last piece is not that short
+    double at_once = 1e-12;      // an event so early is one more of the last one
+    int max_at_once = 40;        // of those
+    double quickly = 100;        // event steps: pieces so short come in quick succession
+    double largest_error = 1.5;  // tolerances: the next pieces make up for it
+    double diverged = 1e30;      // tolerances
+    double shorter = 0.7;        // of a piece that failed, at most
+    double safety = 0.8;         // of the length that the error allows
+};
+constexpr PieceLengths kPieces;
+
 constexpr int s = SlidingPiece::kStages;
 using Rule = SlidingPiece::Rule;
 using Nodes = std::array<double, s + 1>;  // of the start and the stages
@@ -65,9 +83,6 @@ SlidingCycle::SlidingCycle(const Robot& robot, const Ground& ground, const Gait&
 // with the square of their length. The same pieces at two tolerances would tell of no error, so on
 // smooth ground the longest one goes with the tolerance, by the order of a piece's end.
 CycleTolerances SlidingCycle::tolerances_of(double tolerance) const {
-    constexpr double kLongest = 0.8;       // rad
-    constexpr double kSmoothPiece = 0.57;  // rad, at the tolerance below
-    constexpr double kSmoothTolerance = 6e-7;
     constexpr double kMargins = 20;  // of speed, which friction undoes in an event step
     CycleTolerances aim;
     // each a part of the tolerance, but more than rounding
@@ -75,10 +90,10 @@ CycleTolerances SlidingCycle::tolerances_of(double tolerance) const {
     aim.force = std::max(0.1 * tolerance, 1e-7);
     aim.correction = std::max(10 * tolerance, 1e-8);
     aim.newton_step = smooth() ? std::max(tolerance * tolerance, 1e-15) : 0.1 * tolerance;
-    aim.longest_piece = kLongest;
+    aim.longest_piece = kPieces.longest;
     if (smooth()) {
-        const double parts = std::pow(tolerance / kSmoothTolerance, 1.0 / (2 * s - 1));
-        aim.longest_piece = std::min(kLongest, kSmoothPiece * parts);
+        const double parts = std::pow(tolerance / kPieces.smooth_tolerance, 1.0 / (2 * s - 1));
+        aim.longest_piece = std::min(kPieces.longest, kPieces.smooth * parts);
     }
     aim.longest_step = std::clamp(0.03 * std::sqrt(tolerance), 1e-6, 1e-3);
     aim.shortest_step =
@@ -87,7 +102,6 @@ CycleTolerances SlidingCycle::tolerances_of(double tolerance) const {
 }
 
 std::optional<CycleEnd> SlidingCycle::follow(const Vec3& p, const Following& how) {
-    constexpr double kFirstPiece = 1e-3;  // rad, at least: the last cycle may have broken off
     state_ = {};
     state_.p = p;
     for (int i = 0; i < 3; ++i) state_.by_start[i][i] = 1;
@@ -99,7 +113,7 @@ std::optional<CycleEnd> SlidingCycle::follow(const Vec3& p, const Following& how
     meter_.start(how.work, how.tolerance, tolerances_.speed);
     events_.set_units(tolerances_.speed, tolerances_.force);
     event_step_.limit_correction(tolerances_.correction);
-    piece_length_ = std::max(piece_length_, kFirstPiece);
+    piece_length_ = std::max(piece_length_, kPieces.min_first);
     event_step_.forget();
     if (!advance()) return {};
     return CycleEnd{state_, meter_.work(), simultaneous_};
@@ -108,21 +122,17 @@ std::optional<CycleEnd> SlidingCycle::follow(const Vec3& p, const Following& how
 bool SlidingCycle::advance() {
     const double end = span();
     if (piece_.has_modes() && !change_mode({})) return false;
-    constexpr double kRounding = 1e-9;  // rad: a last piece is not that short
-    constexpr double kAtOnce = 1e-12;   // rad: an event so early is one more of the last one
-    constexpr int kMaxAtOnce = 40;      // of those
-    constexpr double kQuickly = 100;    // event steps: pieces so short come in quick succession
     for (int stalled = 0; tau_ < end;) {
         if (++pieces_ > most_pieces_) return false;
         double h = std::min(piece_length_, end - tau_);
-        if (end - tau_ - h < kRounding) h = end - tau_;
+        if (end - tau_ - h < kPieces.rounding) h = end - tau_;
         const Piece solved = solve_piece(h);
         if (solved == Piece::broken) return false;
         if (solved == Piece::shorter) continue;
         if (saltation_.waits) apply_saltation(piece_.rate(0));
         const ModeEvent event = events_.first_event(mode_, h);
-        if (event.wheel >= 0 && h * event.fraction < kAtOnce) {
-            if (++stalled > kMaxAtOnce || !change_mode(event)) return false;
+        if (event.wheel >= 0 && h * event.fraction < kPieces.at_once) {
+            if (++stalled > kPieces.max_at_once || !change_mode(event)) return false;
             continue;
         }
         stalled = 0;
@@ -130,7 +140,7 @@ bool SlidingCycle::advance() {
         skipped_ = 0;
         accumulate(h, event.fraction);
         piece_length_ = std::min(h * growth_, tolerances_.longest_piece);
-        if (h * event.fraction > kQuickly * step_length_) step_length_ = 0;
+        if (h * event.fraction > kPieces.quickly * step_length_) step_length_ = 0;
         if (event.sliding) {
             saltation_.waits = true;
             saltation_.slope = event.slope;
@@ -144,21 +154,17 @@ bool SlidingCycle::advance() {
 
 // Solve the next piece, or find how much shorter it must be.
 SlidingCycle::Piece SlidingCycle::solve_piece(double h) {
-    constexpr double kShortest = 1e-10;  // rad
-    constexpr double kMaxError = 1.5;    // tolerances: the next pieces make up for it
-    constexpr double kDiverged = 1e30;   // tolerances
-    constexpr double kShorter = 0.7;     // of a piece that failed, at most
-    constexpr double kSafety = 0.8;      // of the length that the error allows
     const auto shorter = [&](double length) {
         piece_length_ = length;
-        return length < kShortest ? Piece::broken : Piece::shorter;
+        return length < kPieces.shortest ? Piece::broken : Piece::shorter;
     };
     if (!piece_.solve(mode_, tau_, h, state_.p, scale_, tolerances_.newton_step))
         return shorter(h / 4);
     const double error = piece_.error(scale_) / tolerance_;
-    growth_ = std::clamp(kSafety * std::pow(error + 1e-30, -1.0 / (s + 1)), 0.1, 3.0);
-    if (!(error < kDiverged)) return Piece::broken;
-    return error > kMaxError ? shorter(h * std::min(growth_, kShorter)) : Piece::done;
+    growth_ = std::clamp(kPieces.safety * std::pow(error + 1e-30, -1.0 / (s + 1)), 0.1, 3.0);
+    if (!(error < kPieces.diverged)) return Piece::broken;
+    return error > kPieces.largest_error ? shorter(h * std::min(growth_, kPieces.shorter))
+                                         : Piece::done;
 }
 
 // Find the mode that follows an event.
