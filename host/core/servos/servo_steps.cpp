@@ -12,12 +12,16 @@ namespace serpenoid {
 
 namespace {
 
-constexpr int kParallelRevisions = 6;   // of all modes; then the worst one alone
-constexpr int kMaxRevisions = 60;       // of modes in a step
-constexpr double kModeRounding = 1e-9;  // of a bound: a larger excess ends rest
-constexpr double kShare = 1e-9;         // of the load, among more contacts than have to hold
-constexpr double kRounding = 1e-9;      // of a frame: events that near are simultaneous
-constexpr double kRoundedStep = 1e-6;   // of a step: so much too long is no reason for one more
+// Modes of a step and roundings.
+struct StepRevisions {
+    int parallel = 6;              // revisions of all modes; then the worst one alone
+    int max_count = 60;            // of revisions in a step
+    double mode_rounding = 1e-9;   // of a bound: a larger excess ends rest
+    double share = 1e-9;           // of the load, among more contacts than have to hold
+    double frame_rounding = 1e-9;  // of a frame: events that near are simultaneous
+    double step_rounding = 1e-6;   // of a step: so much too long is no reason for one more
+};
+constexpr StepRevisions kRevisions;
 
 }  // namespace
 
@@ -122,7 +126,7 @@ void ServoSteps::shift_frames(double shift) { frame_ = update_ = (shift - 1) * s
 
 // Frames and updates that begin now; before the first step also those that have begun.
 void ServoSteps::enter() {
-    const double time = t_ + kRounding * servo_.frame;
+    const double time = t_ + kRevisions.frame_rounding * servo_.frame;
     if (frame_ <= time) {
         while (frame_ + servo_.frame <= time) frame_ += servo_.frame;
         const double phase = gait_.omega * frame_, s = std::sin(phase), c = std::cos(phase);
@@ -142,10 +146,10 @@ void ServoSteps::cycle() {
     squares_ = work_ = 0;
     samples_.clear();
     std::fill(wave_.begin(), wave_.end(), 0.0);
-    for (t_ = 0; t_ < period_ - kRounding * servo_.frame;) {
+    for (t_ = 0; t_ < period_ - kRevisions.frame_rounding * servo_.frame;) {
         enter();
         const double stop = std::min({period_, frame_, tick_ > 0 ? update_ : period_});
-        const double steps = std::ceil((stop - t_) / longest_ - kRoundedStep);
+        const double steps = std::ceil((stop - t_) / longest_ - kRevisions.step_rounding);
         const int parts = split_ * std::max(1, static_cast<int>(steps));
         const double h = (stop - t_) / parts;
         for (int p = 0; p < parts; ++p) {
@@ -275,10 +279,10 @@ double ServoSteps::bound(const Contact& c, int mode, double h) const {
 void ServoSteps::slide(double h) {
     free_ = right_;  // without what is dry
     for (Contact& c : contact_) c.has_response = false;
-    for (int revision = 0; revision < kMaxRevisions; ++revision) {
+    for (int revision = 0; revision < kRevisions.max_count; ++revision) {
         for (Contact& c : contact_) c.impulse = bound(c, c.mode, h);
         apply_impulses();
-        if (!revise(h, revision < kParallelRevisions)) break;
+        if (!revise(h, revision < kRevisions.parallel)) break;
     }
     if (turn_round(h)) apply_impulses();
 }
@@ -315,7 +319,7 @@ void ServoSteps::hold() {
         for (int j = 0; j <= i; ++j) gram_[j * k + i] = dot(a, resting_[j]->response.data(), size_);
         trace += gram_[i * k + i];
     }
-    for (int i = 0; i < k; ++i) gram_[i * k + i] += kShare * trace;
+    for (int i = 0; i < k; ++i) gram_[i * k + i] += kRevisions.share * trace;
     cholesky(gram_.data(), k);
     forward(gram_.data(), k, pull_.data());
     backward(gram_.data(), k, pull_.data());
@@ -339,7 +343,7 @@ bool ServoSteps::revise(double h, bool all) {
         if (c.mode == 0) {
             const double excess = c.impulse - h * c.backward, deficit = -h * c.forward - c.impulse;
             wrong = std::max(excess, deficit) / (h * (c.forward + c.backward));
-            if (wrong <= kModeRounding) continue;
+            if (wrong <= kRevisions.mode_rounding) continue;
             mode = excess > deficit ? -1 : 1;
         } else {
             const double v = dot(c.row.data(), u_.data(), size_);

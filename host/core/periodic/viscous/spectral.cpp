@@ -7,13 +7,31 @@
 
 namespace serpenoid {
 
+namespace {
+
+// When Newton's steps end on a mesh, and what its error is stated as; held by the random states of
+// tests/host/periodic/test_random_truth.py.
+struct MeshErrors {
+    int max_iterations = 15;
+    double best_factor = 0.01;  // by which a change shrinks: a smaller one may be luck
+    double first_factor = 0.1;  // the same of the first change
+    double unsolved = 0.02;     // part of an error that Newton's steps may leave
+    double rounded = 1e-11;     // no step is known better
+    double resolved = 1e-4;     // else the first change of the next mesh tells nothing
+    double rounding = 2e-15;    // of a speed, over half of body length times omega
+    double turn = 1e-14;        // rad, least error
+    double multiplier = 4e-3;   // largest error of its logarithm, relative
+    double positive = 1e-6;     // largest error of positive power; pieces have no limit
+    double squared = 3;         // of the coarse error's square, what the fine one may be
+};
+constexpr MeshErrors kMesh;
+
+}  // namespace
+
 // Newton's steps until the residual error is below `enough` in every gait. It is estimated as the
 // last change times the factor by which changes shrink.
 bool SpectralViscous::iterate(double enough, Batch& batch) {
-    constexpr int kMaxIterations = 15;
-    constexpr double kBestFactor = 0.01;  // by which a change shrinks: fewer may be luck
-    constexpr double kFirstFactor = 0.1;
-    for (int i = 0; i < kMaxIterations; ++i) {
+    for (int i = 0; i < kMesh.max_iterations; ++i) {
         const Pack relative = newton_.step();
         bool done = true;
         for (int j = 0; j < kPack; ++j) {
@@ -21,8 +39,8 @@ bool SpectralViscous::iterate(double enough, Batch& batch) {
             const double change = relative[j];
             if (!std::isfinite(change)) return false;
             if (i == 0) gait.first_change = change;
-            const double shrinks = i == 0 ? kFirstFactor : change / (gait.change + 1e-300);
-            gait.residual = change * std::clamp(shrinks, kBestFactor, 1.0);
+            const double shrinks = i == 0 ? kMesh.first_factor : change / (gait.change + 1e-300);
+            gait.residual = change * std::clamp(shrinks, kMesh.best_factor, 1.0);
             gait.change = change;
             done = done && gait.residual <= enough;
         }
@@ -96,11 +114,6 @@ void SpectralViscous::add_powers(Batch& batch) {
 // The state of one gait of a pack, with its errors.
 SteadyState SpectralViscous::state_of(const SteadyOptions& options, const Solution& coarse,
                                       const Solution& fine, int lane) const {
-    constexpr double kRounding = 2e-15;   // of a speed, over half of body length times omega
-    constexpr double kLeastTurn = 1e-14;  // rad
-    constexpr double kSlowest = 4e-3;     // most error of the multiplier's logarithm
-    constexpr double kPositive = 1e-6;    // most error of positive power; pieces have no limit
-    constexpr double kSquared = 3;        // of the coarse error's square, what the fine one may be
     const double omega = omega_[lane];
     SteadyState state;
     state.speed = state.chord = std::fabs(fine.speed);
@@ -109,14 +122,15 @@ SteadyState SpectralViscous::state_of(const SteadyOptions& options, const Soluti
     for (int c = 0; c < 3; ++c) state.start[c] = omega * newton_.y[0][c][lane];
     // by Cauchy and Schwarz: a relative change of the motion by `residual` changes power by no more
     // than this, with the power of the chain held still
-    const double shrinks = std::clamp(kSquared * fine.first_change, 1e-3, 1.0);
-    const double speed_rest = fine.residual * state.speed + kRounding * omega * robot_.l * robot_.n;
+    const double shrinks = std::clamp(kMesh.squared * fine.first_change, 1e-3, 1.0);
+    const double speed_rest =
+        fine.residual * state.speed + kMesh.rounding * omega * robot_.l * robot_.n;
     state.speed_error = stated_error(shrinks * std::fabs(fine.speed - coarse.speed) + speed_rest,
                                      options.rtol, state.speed);
     const double power_rest = 2 * fine.residual * std::sqrt(fine.still_power * state.power);
     const double power_change = shrinks * std::fabs(fine.power - coarse.power);
     state.power_error = stated_error(power_change + power_rest, options.rtol, state.power);
-    state.turn_error = kLeastTurn;
+    state.turn_error = kMesh.turn;
     if (options.powers) {
         state.abs_power = fine.abs_power;
         state.positive_power = (fine.abs_power + fine.power) / 2;
@@ -144,18 +158,16 @@ SteadyState SpectralViscous::state_of(const SteadyOptions& options, const Soluti
     state.monodromy = multiply(half, half);
     state.log_multiplier_error = 4 * error + (large > 0 ? moved / large / 4 : 0);
     state.converged =
-        (options.rough ||
-         state.log_multiplier_error <= kSlowest * std::fabs(state.log_largest_multiplier)) &&
-        state.positive_power_error <= state.positive_power * std::max(options.rtol, kPositive) &&
+        (options.rough || state.log_multiplier_error <=
+                              kMesh.multiplier * std::fabs(state.log_largest_multiplier)) &&
+        state.positive_power_error <=
+            state.positive_power * std::max(options.rtol, kMesh.positive) &&
         Acceptance(options, robot_, ground_, omega)(state);
     return state;
 }
 
 void SpectralViscous::solve(const double* omega, int count, const SteadyOptions& options,
                             SteadyState* states) {
-    constexpr double kPart = 0.02;      // of an error may be left by Newton's steps
-    constexpr double kRounded = 1e-11;  // no step is known better
-    constexpr double kResolved = 1e-4;  // else the first change of the next mesh tells nothing
     for (int j = 0; j < kPack; ++j) {
         omega_[j] = omega[std::min(j, count - 1)];
         if (j < count) states[j] = {};
@@ -171,7 +183,8 @@ void SpectralViscous::solve(const double* omega, int count, const SteadyOptions&
         double smallest =
             1;  // a small power is known less well than the motion; 0/0 counts nothing
         for (const Solution& k : coarse) smallest = std::min(smallest, k.power / k.still_power);
-        const double enough = kPart * std::clamp(smallest * options.rtol, kRounded, kResolved);
+        const double enough =
+            kMesh.unsolved * std::clamp(smallest * options.rtol, kMesh.rounded, kMesh.resolved);
         if (!iterate(enough, batch)) return;
         if (level_ == 0) last_ = newton_.y;
         evaluate(options.powers && level_ > 0, batch);
