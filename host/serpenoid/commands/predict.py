@@ -237,7 +237,7 @@ def sweep(
             f"{count:.3g} gaits are too many for one answer, which holds up to {MAX_GAITS:.3g}; "
             "take larger steps, or sweep one part after the other"
         )
-    how: Values = {"scheduler": scheduler, "servo": kind} | chosen(settings, RTOL)
+    how = chosen(settings, RTOL) | {"scheduler": scheduler, "servo": kind}
     how["alpha_rad"] = [sn.Gait.degrees(x, 0.0, **rates[0]).alpha_rad for x in alphas_deg]
     how["beta_rad"] = [sn.Gait.degrees(0.0, x, **rates[0]).beta_rad for x in betas_deg]
     how["omega_rad_s"] = [sn.Gait.degrees(0.0, 0.0, **rate).omega_rad_s for rate in rates]

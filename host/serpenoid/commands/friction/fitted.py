@@ -90,8 +90,10 @@ def advise(
     `compare`: any hobby servo may move the joints unless --servo says which.
     """
     loaded, _, kind, notes = measured(session, servo, settings)
-    how: Values = {"servo": kind} | chosen(settings, SAMPLES)
-    advice = busy("advising", lambda share: sn.advise(loaded, gaits, progress=share, **how))
+    how = chosen(settings, SAMPLES)
+    advice = busy(
+        "advising", lambda share: sn.advise(loaded, gaits, servo=kind, progress=share, **how)
+    )
     tell(advice, as_json, verbose, notes)
 
 
@@ -115,7 +117,7 @@ def compare(
     from ...show import report
 
     loaded, fit, kind, notes = measured(session, servo, settings)
-    how: Values = {"gaits": gaits, "servo": kind} | chosen(settings, SAMPLES, AMPLITUDE)
+    how = chosen(settings, SAMPLES, AMPLITUDE) | {"gaits": gaits, "servo": kind}
     compared = busy("comparing", lambda share: sn.compare(loaded, fit, progress=share, **how))
     if figure is not None:
         compared.plot(figure)
