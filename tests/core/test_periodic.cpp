@@ -17,9 +17,9 @@ using doctest::Approx;
 namespace {
 
 const SweepShape kPaper{
-    uniform_rod(6, 1.0, 0.12), {0.1, 10.0, 0, 0}, {30 * kDegree, 80 * kDegree, 5.0, 0.0}};
+    uniform_rod(6, 1.0, 0.12), {{0.1, 0}, {10.0, 0}}, {30 * kDegree, 80 * kDegree, 5.0, 0.0}};
 const SweepShape kDry{uniform_rod(6, 0.0756, 0.076),
-                      {0.0132, 0.37, 0.0325, 0.12},
+                      {{0.0132, 0.0325}, {0.37, 0.12}},
                       {70 * kDegree, 75 * kDegree, 5.0, 0.0}};
 
 // Its cycles break off in axes that turn.

@@ -47,7 +47,7 @@ TEST_CASE("a straight robot slides to rest by dry friction, and stays") {
     constexpr double kFriction = 0.02, kSpeed = 0.3;  // N a link, m/s
     const double deceleration = kFriction / robot.m;
     RunRequest request =
-        request_of(robot, {0, 0, kFriction, 0.1}, {0, 0, 1.0, 0}, "nonsmooth", 4.0);
+        request_of(robot, {{0, kFriction}, {0, 0.1}}, {0, 0, 1.0, 0}, "nonsmooth", 4.0);
     for (int link = 0; link < robot.n; ++link) request.start[3 * robot.n + link] = kSpeed;
     request.dt = 0.5;
     request.steps = 8;
@@ -65,7 +65,7 @@ TEST_CASE("on a slope wheels rest as long as their friction carries the weight")
         CAPTURE(share);
         const double friction = robot.m * pull / share;
         RunRequest request =
-            request_of(robot, {0, 0, friction, 1.0}, {0, 0, 1.0, 0}, "nonsmooth", 2.0);
+            request_of(robot, {{0, friction}, {0, 1.0}}, {0, 0, 1.0, 0}, "nonsmooth", 2.0);
         request.slope.gx = pull;
         const RunResult run = simulate(request);
         REQUIRE(run.failed_at < 0);
@@ -129,7 +129,7 @@ TEST_CASE("stiff springs come to the pinned motion, with an error like 1/k") {
 TEST_CASE("on springs nothing but the ground changes the momentum") {
     for (const char* method : {"rk4", "dop853", "radau", "nonsmooth"}) {
         CAPTURE(method);
-        RunRequest request = request_of(kPaperRobot, {0, 0, 0, 0}, kPaperGait, method, 1.0);
+        RunRequest request = request_of(kPaperRobot, {{0, 0}, {0, 0}}, kPaperGait, method, 1.0);
         request.formulation = Formulation::implicit;
         request.dt = 1e-3;
         request.steps = 1000;
