@@ -97,3 +97,13 @@ def test_positive_power_in_doubt_refuses_no_state(case: tuple) -> None:
     assert s.power_error_w <= 1e-5 * s.power_w
     assert s.positive_power_error_w > 1e-3 * s.positive_power_w
     assert "the power without regeneration" in s.power_doubt_text()
+
+
+def test_pairs_of_wheels_that_hardly_differ_leave_little_doubt() -> None:
+    """A hair from a lag of 2 pi / 7 twelve links have wheels in pairs; their speeds are known."""
+    robot = sn.Robot(12, 0.1, 0.08)
+    gait = sn.Gait(0.5512654742976816, 0.897597793917269, 0.3710493231338987)
+    ground = sn.Ground(0.0, 0.0, 0.01, 0.4)
+    s, fine = (sn.steady_gait(robot, ground, gait, rtol=rtol) for rtol in (1e-6, 1e-7))
+    assert s.positive_power_error_w < 5e-3 * s.positive_power_w
+    assert abs(s.positive_power_w - fine.positive_power_w) < s.positive_power_error_w
