@@ -121,7 +121,8 @@ class Sweep(Plottable):
             return None
         place = np.unravel_index(np.nanargmax(score), score.shape)
         shape = zip((self.alpha_rad, self.beta_rad, self.omega_rad_s), place, strict=True)
-        gait = Gait(*(float(values[k]) for values, k in shape))
+        alpha_rad, beta_rad, omega_rad_s = (float(values[k]) for values, k in shape)
+        gait = Gait(alpha_rad, beta_rad, omega_rad_s)
         return BestGait(gait, float(speed_m_s[place]), float(energy_j_m[place]))
 
     def in_words(self) -> str:

@@ -137,7 +137,7 @@ def slope_in_words(session: Session, fit: FrictionFit) -> str:
     if all(run.way == "level" for run in session.kept_crawls):
         return ""
     along, across = (
-        f"{math.degrees(angle.value):.2f} ± {math.degrees(angle.sigma):.2f} deg"
+        f"{round(math.degrees(angle.value), 3) + 0.0:.3f} ± {math.degrees(angle.sigma):.3f} deg"
         for angle in floor_slope(session, fit.nuisances)
     )
     return (
