@@ -1,7 +1,7 @@
 """Hard springs, free joints on dry ground and long runs, held to references of their own.
 
 The references (tests/oracle: dense models, a table of an event-driven solver) share no code with
-the package. `studies/truths.py` holds more cases to them.
+the package.
 """
 
 from __future__ import annotations
