@@ -14,6 +14,7 @@ import io
 import os
 from collections.abc import Mapping, Sequence
 from datetime import datetime, timezone
+from importlib.metadata import version
 from io import FileIO
 from pathlib import Path
 from typing import Any
@@ -38,9 +39,9 @@ from .rows import (
     words_of,
 )
 from .session import Session
-from .settings import changes
 from .track import PLACES, Samples, Track, typed_track
 
+PROGRAM = f"serpenoid {version('serpenoid')}"  # as the files name it
 Listed = tuple[str, Cells, str]  # kind, cells and comment
 
 
@@ -67,7 +68,7 @@ class Journal:
         check_session(self.folder)
         try:
             self._take_lock()
-            self._read()
+            self.read()
         except BaseException:
             self.__exit__()
             raise
@@ -169,13 +170,8 @@ class Journal:
         row = {"time_utc": utc_now(), "event": event, "reading": str(reading or "")}
         self._append("events.csv", EVENT_COLUMNS, [row | {"detail": detail}])
 
-    def read_again(self) -> list[str]:
-        """Read the files again; return what somebody changed in session.toml, a line a setting."""
-        setup = self.session.setup
-        self._read()
-        return changes(setup, self.session.setup)
-
-    def _read(self) -> None:
+    def read(self) -> None:
+        """Read the files, which people may have changed meanwhile."""
         self.session = read_session(self.folder)
         self.rows = reading_rows(self.folder)
 
@@ -205,7 +201,7 @@ class Journal:
             raise BadInput("the session is not open; use it inside `with Journal(folder)`")
         lines = (csv_line([row.get(column, "") for column in columns]) for row in rows)
         append_line(self.folder / name, "".join(lines))
-        self._read()
+        self.read()
 
 
 def csv_line(cells: list[str]) -> str:

@@ -111,12 +111,10 @@ class Dialogue:
         return True
 
     def _read_again(self) -> None:
-        """Read the files again, and say what somebody changed in session.toml meanwhile."""
+        """Read the files again, until what somebody changed meanwhile can be."""
         while True:
             try:
-                for line in self.journal.read_again():
-                    self._say(f"session.toml: {line}")
-                return
+                return self.journal.read()
             except BadInput as error:
                 self._say(f"! {error}")
                 self._asker.confirm("  Enter when that is mended: ")
