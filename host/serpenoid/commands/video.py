@@ -156,25 +156,19 @@ def film(
 
 
 def _record(measured: FilmMeasurement, session: Path, name: str, way: str | None) -> None:
-    """Write the film's numbers and its track into a session; a film that is there already is not.
+    """Write the film's numbers and its track into a session.
 
-    way: along the line of the pushes; None: on level ground. A film that cannot be a reading is
-    told, and its numbers are shown all the same.
+    way: along the line of the pushes; None: on level ground. A film that cannot be a reading, or is
+    one already, is told of, and its numbers are shown all the same.
     """
-    from ..session.folder import read_session
     from ..session.journal import Journal
     from ..video.made_gait import film_cells
 
-    try:
-        cells, samples = film_cells(measured, read_session(session).setup.plan.gaits)
-    except sn.BadInput as error:
-        say(f"serpenoid: warning: no reading: {error}", err=True)
-        return
     with Journal(session) as journal:
-        same = [r for r in journal.session.kept_films if r.film_sha256 == cells["film_sha256"]]
-        if same:
-            say(f"{session}: reading {same[0].number} is of this film already", err=True)
-            return
-        cells |= {} if way is None else {"way": way}
-        number = journal.add("video", cells, comment=name, samples=samples)
-    say(f"{session}: reading {number}", err=True)
+        try:
+            cells, samples = film_cells(measured, journal.session.setup.plan.gaits)
+            cells |= {} if way is None else {"way": way}
+            number = journal.add("video", cells, comment=name, samples=samples)
+        except sn.BadInput as error:
+            return say(f"serpenoid: warning: no reading: {error}", err=True)
+    return say(f"{session}: reading {number}", err=True)

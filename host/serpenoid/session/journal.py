@@ -145,7 +145,10 @@ class Journal:
         cells, declared = dict(cells), kind_of(kind)
         if declared.columns and (places := cells.pop(PLACES, "")):
             samples = typed_track(str(places))
-        row = reading_row(kind, cells)
+        row, sha256 = reading_row(kind, cells), cells.get("film_sha256")
+        for film in self.session.kept_films:
+            if sha256 and film.film_sha256 == sha256:
+                raise BadInput(f"reading {film.number} is of this film already")
         track = None if samples is None else Track.from_samples(declared.columns, samples)
         if track is None and declared.columns and not declared.track_may_miss:
             raise BadInput(

@@ -189,7 +189,7 @@ class Dialogue:
             line = self._asker.ask(f"  {FILE_WORDS[step.kind]}: ")
             file = named_file(line)
             if file is not None and step.gait is not None:
-                return self._crawl(file[0], step)
+                return self._film(file[0], self.journal.session.setup.robot, step.gait)
             if file is not None:
                 self._keep_pushes(*file, {**step.cells, **self._steering()})
         return self._asker.numbers(step.fields, line)
@@ -214,15 +214,6 @@ class Dialogue:
         if self._robot is None:
             return {}
         return {"offset_deg": round(math.degrees(self._robot.offset_rad), 3)}
-
-    def _crawl(self, path: Path, step: Step) -> Tracked:
-        """Return what a film of a crawl shows; raises BadInput where a reading is of it."""
-        session = self.journal.session
-        crawl = self._film(path, session.setup.robot, step.gait)
-        for reading in session.kept_films:
-            if reading.film_sha256 == crawl["film_sha256"]:
-                raise BadInput(f"{path}: reading {reading.number} is of this film already")
-        return crawl
 
     def _keep_pushes(self, path: Path, unit: str | None, cells: Values) -> None:
         """Keep all pushes of a file, however many, and raise Restart: the plan has moved on."""

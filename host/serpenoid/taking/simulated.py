@@ -205,7 +205,7 @@ class SimulatedPerson:
             camera = replace(self.truth.camera, scale=1.0 + self._error(FILM_ERROR))
             rows = filmed_crawl(self.robot, swinging, camera, self.rng, *slopes)
             rows[:, 4:] *= 1.0 + FILM_ERROR * self.rng.normal(size=rows.shape[1] - 4)
-            return Tracked({**crawl_cells(rows, gait), "film_sha256": "simulated"}, rows, "video")
+            return Tracked(crawl_cells(rows, gait), rows, "video")
         rises = {"slope_rad": slopes[0], "across_rad": slopes[1]}
         speed_m_s = self._crawl_speed(self.robot, swinging, **rises)
         return self._timed(min(RUN_M, speed_m_s * RUN_S), max(speed_m_s, 1e-6))
