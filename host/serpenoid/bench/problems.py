@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from ..base.files import read_json
 from ..model.gait import Gait
-from ..model.ground import Ground
 from ..model.link_state import LinkState
+from ..model.presets import PRESETS
 from ..model.robot import Robot
 from ..simulation.core_run import start_state
 from ..simulation.scene import Scene
@@ -75,9 +75,7 @@ def paper_robot(links: int = 6, mass_kg: float = 1.0) -> Robot:
     return Robot(links, mass_kg, 0.12)
 
 
-PAPER_GROUND = Ground(ct=0.1, cn=10.0)
-ROBOT_2005 = Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
-GROUND_2005 = Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
+PAPER_GROUND = PRESETS["paper"][1]
 
 
 def springs(k: float, c: float) -> dict[str, Any]:
@@ -90,7 +88,7 @@ def problems() -> tuple[Problem, ...]:
     usual: dict[str, Any] = {"start": "link1_at_rest"}
     three = Scene(paper_robot(3), PAPER_GROUND, gait_deg(30, 90, 3), **usual)
     six = Scene(paper_robot(), PAPER_GROUND, gait_deg(30, 80, 5), **usual)
-    robot = Scene(ROBOT_2005, GROUND_2005, gait_deg(70, 75, 5), duration_s=5.0, **usual)
+    robot = Scene(*PRESETS["2005"], gait_deg(70, 75, 5), duration_s=5.0, **usual)
     two_waves = Gait(math.radians(30), 4 * math.pi / 49, 5.0)
     fifty = Scene(paper_robot(50), PAPER_GROUND, two_waves, duration_s=5.0, **usual)
     soft, stiff = springs(1e3, 1.0), springs(1e7, 1.0) | {"duration_s": 1.0}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -11,7 +10,7 @@ from ..base.checks import FORMULATIONS
 from ..model.drives import Servo
 from ..model.gait import Gait
 from ..model.ground import Ground
-from ..model.robot import Robot
+from ..model.presets import PRESETS
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 
@@ -32,9 +31,8 @@ class Cost:
 def variants(formulation: str, steps: int) -> dict[str, Scene]:
     """Return the plain scene and others with one term changed each."""
     plain = Scene(
-        Robot(6, 1.0, 0.12, 0.0012),
-        Ground(0.1, 10.0),
-        Gait(math.radians(30), math.radians(80), 5.0),
+        *PRESETS["paper"],
+        Gait.degrees(30, 80, omega_rad_s=5.0),
         formulation=formulation,
         method="rk4",
         dt_s=STEP_S,

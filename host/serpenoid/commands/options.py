@@ -282,11 +282,10 @@ def named_snake(name: str) -> Snake:
     "2005" is the robot of the paper's experiment, "paper" that of its theory. What forbids to trust
     a fit is told. Raises BadInput for a name that is none of these.
     """
-    if name == "2005":
-        friction = sn.Ground.whole_body(6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-        return Snake(sn.Robot(6, 0.0756, 0.076), friction)
-    if name == "paper":
-        return Snake(sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0))
+    from ..model.presets import PRESETS
+
+    if name in PRESETS:
+        return Snake(*PRESETS[name])
     path = Path(name)
     if path.suffix == ".toml" and path.is_file():
         scene = sn.load_scene(path)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..base.vectors import Array
 from ..gaits.least_power import LeastPower, power_front
 from ..model.gait import Gait
-from ..model.ground import Ground
+from ..model.presets import PRESETS
 from ..model.robot import Robot
 from ..periodic.steady import Steady, steady_gait
 from ..periodic.sweep import Sweep, sweep
@@ -23,8 +23,7 @@ from ..simulation.simulate import simulate
 from ..simulation.steady_springs import steady_springs
 
 D = math.pi / 180
-ROBOT, GROUND = Robot(6, 1.0, 0.12), Ground(0.1, 10.0)
-OF_2005, BINGHAM = Robot(6, 0.0756, 0.076), Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
+(OF_2005, BINGHAM), (ROBOT, GROUND) = PRESETS.values()
 PATH_GAIT, EXPERIMENT = Gait(30 * D, 80 * D, 5.0), Gait(70 * D, 75 * D, math.pi)
 PAPERS_OPTIMUM = (30 * D, 80 * D)
 FRONT_M_S = (0.03, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7)
