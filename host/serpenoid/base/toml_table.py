@@ -35,9 +35,14 @@ class Table:
         """Read a whole file as its top table; raises BadInput."""
         text = read_text(path, most_bytes=1_000_000)  # the parser reads some 2 MB a second
         try:
-            return cls(tomllib.loads(text), path, text)
+            return cls.parsed(text, path)
         except (ValueError, RecursionError) as error:  # ValueError: a number of 5000 digits, too
             raise BadInput(f"{path}: not TOML: {error}") from error
+
+    @classmethod
+    def parsed(cls, text: str, path: Path) -> Table:
+        """Read a text that stands in the file `path`; raises ValueError where it is no TOML."""
+        return cls(tomllib.loads(text), path, text)
 
     def check_format(self, newest: int, older: str = "") -> None:
         """Raise BadInput unless the file's format is the newest. older: what others had or need."""

@@ -43,6 +43,11 @@ class Measured(NamedTuple):
     prior_sigma: float
     sigma: float
 
+    @property
+    def is_determined(self) -> bool:
+        """Tell whether the test determines it."""
+        return self.sigma < MAX_SIGMA_RATIO * self.prior_sigma
+
 
 class Verdict(NamedTuple):
     """Whether the model describes a table: p-value, and the rows where residuals are largest.
@@ -77,11 +82,7 @@ class MeasuredServo:
     @property
     def determined(self) -> dict[str, Measured]:
         """Return what the test determines."""
-        return {
-            name: value
-            for name, value in self.values.items()
-            if value.sigma < MAX_SIGMA_RATIO * value.prior_sigma
-        }
+        return {name: value for name, value in self.values.items() if value.is_determined}
 
     @property
     def open(self) -> list[str]:

@@ -14,7 +14,6 @@ import io
 import os
 from collections.abc import Mapping, Sequence
 from datetime import datetime, timezone
-from importlib.metadata import version
 from io import FileIO
 from pathlib import Path
 from typing import Any
@@ -39,9 +38,9 @@ from .rows import (
     words_of,
 )
 from .session import Session
+from .settings import changes
 from .track import PLACES, Samples, Track, typed_track
 
-PROGRAM = f"serpenoid {version('serpenoid')}"  # as the files name it
 Listed = tuple[str, Cells, str]  # kind, cells and comment
 
 
@@ -68,7 +67,7 @@ class Journal:
         check_session(self.folder)
         try:
             self._take_lock()
-            self.read()
+            self._read()
         except BaseException:
             self.__exit__()
             raise
@@ -173,8 +172,13 @@ class Journal:
         row = {"time_utc": utc_now(), "event": event, "reading": str(reading or "")}
         self._append("events.csv", EVENT_COLUMNS, [row | {"detail": detail}])
 
-    def read(self) -> None:
-        """Read the files, which people may have changed meanwhile."""
+    def read_again(self) -> list[str]:
+        """Read the files again; return what somebody changed in session.toml, a line a setting."""
+        setup = self.session.setup
+        self._read()
+        return changes(setup, self.session.setup)
+
+    def _read(self) -> None:
         self.session = read_session(self.folder)
         self.rows = reading_rows(self.folder)
 
@@ -204,7 +208,7 @@ class Journal:
             raise BadInput("the session is not open; use it inside `with Journal(folder)`")
         lines = (csv_line([row.get(column, "") for column in columns]) for row in rows)
         append_line(self.folder / name, "".join(lines))
-        self.read()
+        self._read()
 
 
 def csv_line(cells: list[str]) -> str:

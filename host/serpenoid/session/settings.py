@@ -385,3 +385,14 @@ name = {}
 program = {}
 created_utc = {}
 """
+
+
+def changes(earlier: Setup, setup: Setup) -> list[str]:
+    """Return what differs between two set-ups, a line a setting."""
+    lines = list[str]()
+    for (name, old), new in zip(earlier.tables.items(), setup.tables.values(), strict=True):
+        for key in old.declared:
+            texts = [toml_text(getattr(table, key)) for table in (new, old)]
+            if texts[0] != texts[1]:
+                lines.append(f"{name}.{key} is {texts[0]} now; it was {texts[1]}")
+    return lines

@@ -111,10 +111,12 @@ class Dialogue:
         return True
 
     def _read_again(self) -> None:
-        """Read the files again, until what somebody changed meanwhile can be."""
+        """Read the files again, and say what somebody changed in session.toml meanwhile."""
         while True:
             try:
-                return self.journal.read()
+                for line in self.journal.read_again():
+                    self._say(f"session.toml: {line}")
+                return
             except BadInput as error:
                 self._say(f"! {error}")
                 self._asker.confirm("  Enter when that is mended: ")

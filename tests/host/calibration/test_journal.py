@@ -110,10 +110,10 @@ def test_a_full_disk_leaves_every_earlier_reading_and_nothing_half_written(folde
         assert journal.add("station", STATION) == 2
 
 
-def test_a_setting_that_is_corrected_meanwhile_is_read(folder):
+def test_a_setting_that_is_corrected_meanwhile_is_told(folder):
     with Journal(folder) as journal:
         rewrite(folder / "session.toml", "mass_kg = 0.4536", "mass_kg = 0.49896")
-        journal.read()
+        assert journal.read_again() == ["robot.mass_kg is 0.49896 now; it was 0.4536"]
         assert journal.session.setup.robot.mass_kg == pytest.approx(0.49896)
 
 
@@ -122,7 +122,7 @@ def test_links_that_changed_after_readings_are_told(folder):
         journal.add("station", STATION)
         assert not journal.session.notes
         rewrite(folder / "session.toml", "links = 6", "links = 8")
-        journal.read()
+        journal.read_again()
         assert (
             "readings 1 were taken when session.toml said 6 links; a fit takes 8"
             in journal.session.notes[0]
