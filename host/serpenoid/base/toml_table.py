@@ -7,7 +7,7 @@ import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -78,6 +78,18 @@ class Table:
         """Raise BadInput unless there are these keys, all but the optional, and no other."""
         unknown = next((key for key in self.values if key not in names + optional), "")
         check_names(self.values, names, self.where(unknown), "key", optional)
+
+    def without_removed(self, removed: Mapping[str, str]) -> Table:
+        """Return the table without settings that this version lacks: key -> what to do.
+
+        A setting of 0 had no effect. Any other raises BadInput: the answer would be another one.
+        """
+        for key, what in removed.items():
+            value = self.values.get(key, 0)
+            if any(value) if isinstance(value, list) else value != 0:
+                raise BadInput(f"{self.where(key)}: {key} is {value!r}; {what}")
+        values = {key: value for key, value in self.values.items() if key not in removed}
+        return replace(self, values=values)
 
     def table(self, name: str) -> Table:
         """Return the table of that name inside this one."""

@@ -29,7 +29,7 @@ from typing import Any
 from ..base.errors import BadInput
 from ..base.files import write_named
 from ..base.toml_table import Table, located
-from ..model.drives import UNCERTAIN, Servo, ServoKind
+from ..model.drives import REMOVED, UNCERTAIN, Servo, ServoKind
 
 _MOTOR_S, _FRICTION, _DAMPING, _FULL_RAD = 0.037, 0.05, 0.07, 0.17
 _BAND_RAD = math.radians(0.09 * 6 / 2)  # 6 us in all; 1000 us are 90 degrees; sheets say 3 to 10
@@ -234,10 +234,10 @@ def load_servo(path: str | Path) -> ServoKind:
         "remark": top.string,
         "updates_hz": lambda key: top.numbers(key, 0.0, 1e4),
         "sigma": lambda key: _numbers(top.table(key), UNCERTAIN, 0.0, 3.0),
-        "drawn": lambda key: _drawn(top.table(key), servo),
+        "drawn": lambda key: _drawn(top.table(key).without_removed(REMOVED), servo),
     }
     top.only("format", "servo", optional=tuple(readers))
-    table = top.table("servo")
+    table = top.table("servo").without_removed(REMOVED)
     with located(table.heading):
         servo = Servo(**_numbers(table, _FIELDS))
     values: dict[str, Any] = {"name": Path(path).stem, "source": str(path)}

@@ -25,7 +25,7 @@ from .push import Push
 from .session import Event, Session
 from .settings import Plan, Setup
 from .station import BeltCheck, BendCheck, Reading, ZeroReading
-from .track import FOLDER, PLACES, TRACK, Track, read_track
+from .track import FOLDER, PLACES, TRACK, Track, read_track, typed_track
 
 # All kinds by their names, in the order in which a session takes them.
 KINDS: dict[str, type[Observation]] = {
@@ -85,25 +85,20 @@ def kind_of(name: str) -> type[Observation]:
     return KINDS[name]
 
 
-def columns_of(kind: type[Observation]) -> tuple[str, ...]:
-    """Return the columns and words that a row of a kind may have."""
-    columns = [field.column for field in kind.declared.values()]
-    return (*columns, LISTED, LINKS, DOUBTFUL, *(TRACK_WORDS if kind.columns else ()))
-
-
 def reading_row(name: str, cells: Cells, plan: Plan | None = None) -> dict[str, str]:
     """Return a row of all columns; raises BadInput for a kind or a column that is not known.
 
     plan: the session's, which tells how the robot is bent where the cells do not.
     """
     kind = kind_of(name)
-    fields, columns = {field.column: field for field in kind.declared.values()}, columns_of(kind)
+    fields = {field.column: field for field in kind.declared.values()}
     planned = {"bend": plan.bend} if plan is not None and "bend" in fields else {}
     row, more = dict.fromkeys(READING_COLUMNS, "") | {"kind": kind.kind}, []
     for column, value in (planned | dict(cells)).items():
-        if column not in columns:
-            known = ", ".join([*fields, *([PLACES] if kind.columns == TRACK else [])])
-            raise BadInput(f"unknown column {column!r}; a reading of kind {name} has {known}")
+        words = (LISTED, LINKS, DOUBTFUL, *(TRACK_WORDS if kind.columns else ()))
+        if column not in (*fields, *words):
+            columns = ", ".join([*fields, *([PLACES] if kind.columns == TRACK else [])])
+            raise BadInput(f"unknown column {column!r}; a reading of kind {name} has {columns}")
         text = value if isinstance(value, str) else f"{value:.10g}"
         field = fields.get(column)
         if field is not None and not field.is_number:
@@ -152,7 +147,7 @@ def session_of(setup: Setup, events: Sequence[Event], folder: Path, notes: list[
         }
         with located(row["where"]):
             if number not in voided:
-                check_names(words_of(row), (), f"reading {number}", "word", columns_of(kind))
+                _check_facing(row)
             session = session.with_reading(make_reading(row, common | _track(row, kind, folder)))
     links = str(setup.robot.links)
     counts = {n: words_of(row).get(LINKS, links) for n, row in rows.items() if n not in voided}
@@ -266,9 +261,23 @@ def _voided(rows: Numbered, events: Sequence[Event], path: Path) -> dict[int, st
     return why
 
 
+def _check_facing(row: Row) -> None:
+    """Raise BadInput for a reading of wheels that rolled backwards, as older programs took them."""
+    facing = words_of(row).get("facing", "")
+    if facing in ("up", "back"):
+        raise BadInput(
+            f"reading {row['reading']} has facing={facing}: its wheels rolled backwards, and a fit "
+            "knows one friction along the wheels. If they roll alike both ways, take that word out "
+            "of its line; else void the reading"
+        )
+
+
 def _track(row: Row, kind: type[Observation], folder: Path) -> dict[str, Track]:
     """Return the track of a reading whose kind has one."""
-    name, sha256 = map(words_of(row).get, TRACK_WORDS, ("", ""))
+    words = words_of(row)
+    if PLACES in words:  # older files have a typed track in its row
+        return {"track": Track.from_samples(kind.columns, typed_track(words[PLACES]))}
+    name, sha256 = (words.get(word, "") for word in TRACK_WORDS)
     if not kind.columns or (not name and kind.track_may_miss):
         return {}
     if not re.fullmatch(rf"{FOLDER}/\w+\.csv", name):

@@ -300,6 +300,12 @@ class Plan(SettingsTable):
 
     incline_step_rad = in_si_units("incline_step_deg")
 
+    @classmethod
+    def read(cls, table: Table) -> Plan:
+        """Return a file's table; raises BadInput for ratchet wheels, which older programs knew."""
+        what = "a fit knows one friction along the wheels, not another backwards"
+        return super().read(table.without_removed({"ratchet": what}))
+
     @property
     def lambda_rad(self) -> tuple[float, ...]:
         """Return the bends of stations, rad."""

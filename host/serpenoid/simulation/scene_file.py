@@ -16,7 +16,7 @@ import numpy as np
 from ..base.errors import BadInput
 from ..base.files import write_named
 from ..base.toml_table import Table, located
-from ..model.drives import Servo, TorqueTable
+from ..model.drives import REMOVED, Servo, TorqueTable
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.link_state import LinkState
@@ -38,6 +38,14 @@ _MAKERS: dict[str, Callable[..., Any]] = {
     "ground": Ground.whole_body,
     "gait": Gait,
     "servo": Servo,
+}
+# Settings of older files: what to do about a file in which one is not 0.
+_REMOVED = {
+    "servo": REMOVED,
+    "": {
+        "smoothing_m_s": "serpenoid no longer smooths dry friction, which let stuck wheels creep; "
+        "remove the line, and wheels stick exactly (method 'nonsmooth')"
+    },
 }
 
 
@@ -151,6 +159,7 @@ def _read_part(table: Table, section: str, links: int = 0) -> Any:
 
     A BadInput begins with file and line: of the first field that its text names.
     """
+    table = table.without_removed(_REMOVED.get(section, {}))
     maker = partial(Ground.whole_body, links) if section == "ground" else _MAKERS[section]
     present = _present(table, maker)
     values: dict[str, Any] = {}

@@ -155,12 +155,15 @@ def test_a_zero_that_moved_by_more_than_its_errors_is_in_the_uncertainty_and_tol
 
 def test_a_session_of_ratchet_wheels_is_refused_by_name(folder):
     append(folder, reading(1), reading(2, more="facing=up"))
-    with refused("csv:3: reading 2: unknown word 'facing'"):
+    with refused("csv:3: reading 2 has facing=up: its wheels rolled backwards.*void"):
         load_session(folder)
     append(folder, event("void", 2), to="events.csv")
-    assert [r.number for r in load_session(folder).kept_stations] == [1]
-    (folder / "session.toml").write_text(SETUP + "ratchet = true\n")
-    with refused("session.toml:31: unknown key 'ratchet'"):
+    plain = load_session(folder)
+    toml = folder / "session.toml"
+    toml.write_text(SETUP + "ratchet = false\n")
+    assert load_session(folder).sha256 == plain.sha256
+    toml.write_text(SETUP + "ratchet = true\n")
+    with refused("session.toml:31: ratchet is True; a fit knows one friction"):
         load_session(folder)
 
 

@@ -1,6 +1,7 @@
 """Short readings: a robot that still drifts on the belt, its places fitted as a track."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -88,3 +89,12 @@ def test_every_way_into_a_session_takes_places(folder, tmp_path, typed, kept):
     stations = load_session(folder).kept_stations
     assert [r.track.values.T[:2].tolist() for r in stations] == [kept] * 2
     assert [r.drift_m_s for r in stations] == [kept[1][-1] / 4.0] * 2
+
+
+def test_an_older_file_has_a_short_track_in_its_row(folder):
+    run(f"add {folder} station {CELLS} 'places=0:0 2:0.045 4:0.13'")
+    table = folder / "readings.csv"
+    (track,) = (r.track for r in load_session(folder).kept_stations)
+    cell = '"bend=balanced places=0:0,2:0.045,4:0.13"'
+    table.write_text(re.sub(r"[^,\n]*track=\S+ track_sha256=\w+", cell, table.read_text()))
+    assert load_session(folder).kept_stations[0].track.sha256 == track.sha256

@@ -83,6 +83,8 @@ def test_a_kind_comes_back_from_its_file(tmp_path: Path) -> None:
         kind = sn.servo(name)
         path = tmp_path / f"{kind.name}.toml"
         sn.save_servo(kind, path)
+        old = path.read_text().replace("[servo]\n", "[servo]\nbacklash_rad = 0.0\n")
+        path.write_text(old)  # as files of earlier states have it
         assert sn.load_servo(path) == kind == sn.servo(path)
 
 
@@ -92,7 +94,7 @@ def test_a_kind_comes_back_from_its_file(tmp_path: Path) -> None:
         ("format = 2\n[servo]\n", ":1: format is 2"),
         ("format = 1\n[servo]\nstiffness = 3\n", ":3: unknown key 'stiffness'"),
         ("format = 1\n[servo]\narmature_kg_m2 = -1\n", "armature_kg_m2 is -1"),
-        ("format = 1\n[servo]\nbacklash_rad = 0.01\n", ":3: unknown key 'backlash_rad'"),
+        ("format = 1\n[servo]\nbacklash_rad = 0.01\n", "serpenoid no longer has play"),
         ("format = 1\n[servo]\n[sigma]\nframe_s = 0.1\n", ":4: unknown key 'frame_s'"),
         ("format = 1\n[servo]\n[sigma]\nsupply_sag = 9\n", ":4: supply_sag is 9"),
         ("format = 1\n", "missing key servo"),
