@@ -12,7 +12,7 @@ from ..base.errors import BadInput
 from ..base.toml_table import Table
 from .rows import read_events, session_of
 from .session import Session
-from .settings import FORMAT, Setup
+from .settings import FORMAT, Setup, amended
 
 
 def load_session(folder: str | Path) -> Session:
@@ -58,7 +58,9 @@ def read_session(folder: str | Path) -> Session:
         f"{FORMAT} has",
     )
     events = read_events(folder, notes)
-    return session_of(Setup.read(top), events, folder, notes)
+    details = [event.detail for event in events if event.event == "amend"]
+    setup = Setup.read(amended(top, details, folder / "events.csv"))
+    return session_of(setup, events, folder, notes)
 
 
 def check_session(folder: Path) -> Path:

@@ -1,8 +1,8 @@
 """Readings of every kind and events, one line each, read as an append-only journal.
 
 A line that has no end was cut short while it was written (a kill, a power cut) and does not
-count; the writer later closes it with the mark TORN. Lines are never changed: a reading is voided
-by an event, and a later one may say which it replaces.
+count; the writer later closes it with the mark TORN. Lines are never changed: a reading is voided,
+or used again (`restore`, of older versions) by an event; a later one may say which it replaces.
 A column that the header lacks stands in the column `more` as NAME=VALUE, so that files of every age
 have the same header and older programs still read them.
 """
@@ -32,6 +32,8 @@ KINDS: dict[str, type[Observation]] = {
     reading.kind: reading
     for reading in (Reading, BendCheck, ZeroReading, BeltCheck, GaitRun, FilmReading, Push)
 }
+
+OLD_KINDS = {"coast": "push"}  # names of kinds in older files -> their names
 
 READING_COLUMNS = (
     "reading",
@@ -67,19 +69,22 @@ EVENTS = (
     "end",
     "pause",
     "resume",
+    "amend",
     "void",
+    "restore",
     "undo",
     "skip",
     "unskip",
     "note",
     "connect",
 )
-ON_READINGS = ("void", "undo")
+ON_READINGS = ("void", "restore", "undo")
 Numbered = dict[int, Row]  # rows by the numbers of their readings
 
 
 def kind_of(name: str) -> type[Observation]:
     """Return a kind of reading by its name; raises BadInput."""
+    name = OLD_KINDS.get(name, name)
     if name not in KINDS:
         raise BadInput(f"kind is {name!r}; it must be one of {', '.join(KINDS)}")
     return KINDS[name]
@@ -130,14 +135,18 @@ def make_reading(row: Row, common: Mapping[str, Any]) -> Any:
 def session_of(setup: Setup, events: Sequence[Event], folder: Path, notes: list[str]) -> Session:
     """Return the session of a folder. notes: what is told of its files so far."""
     path, notes = folder / "readings.csv", list(notes)
+    if any(event.event == "amend" for event in events):
+        notes.append(
+            f"{folder / 'events.csv'}: what older programs amended holds over session.toml"
+        )
     rows = _numbered(path, notes)
     voided = _voided(rows, events, folder / "events.csv")
     session = Session(setup, (), str(path), folder=folder, events=tuple(events))
     left_out = list[str]()
     for number, row in sorted(rows.items()):
         kind = KINDS.get(row["kind"])
-        if kind is None:
-            left_out.append(row["kind"])
+        if kind is None or words_of(row).get("by") == "marks":
+            left_out.append(row["kind"] if kind is None else f"{row['kind']} by marks")
             continue
         common = {
             "number": number,
@@ -240,7 +249,7 @@ def _numbered(path: Path, notes: list[str]) -> Numbered:
                 raise BadInput(
                     f"replaces is {row['replaces']}, but there is no such reading before this one"
                 )
-        rows[number] = row
+        rows[number] = {**row, "kind": OLD_KINDS.get(row["kind"], row["kind"])}
     return rows
 
 
@@ -255,6 +264,9 @@ def _voided(rows: Numbered, events: Sequence[Event], path: Path) -> dict[int, st
     for event in (e for e in events if e.event in ON_READINGS):
         if event.reading not in rows:
             raise BadInput(f"{path}: {event.event} of reading {event.reading}, which is not there")
+        if event.event == "restore":
+            why.pop(event.reading, None)
+            continue
         why[event.reading] = event.detail or "undone"
         if event.event == "undo":
             why.pop(int(rows[event.reading]["replaces"] or 0), None)

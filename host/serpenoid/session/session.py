@@ -63,7 +63,7 @@ class Session:
     notes
         Remarks from reading the files, in words.
     events
-        What happened meanwhile: pauses, steps that were left out.
+        What happened meanwhile: amendments, pauses, steps that were left out.
 
     Examples
     --------

@@ -6,9 +6,10 @@ session.toml is a file that people edit: what it says holds for all readings of 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import MISSING, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import MISSING, dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 from ..base.checks import check_number
@@ -107,9 +108,18 @@ class RobotTable(SettingsTable):
 
     @classmethod
     def read(cls, table: Table) -> RobotTable:
-        """Return a file's table; raises BadInput where a bare mass needs its unit."""
-        robot = super().read(table)
-        if not isinstance(table.values["mass_kg"], str):
+        """Return a file's table; an older file has the mass of one link, or says it was assumed.
+
+        A mass without its unit that would make links denser than any metal raises BadInput.
+        """
+        values = dict(table.values)
+        if "link_mass_kg" in values:
+            values["mass_kg"] = table.number("link_mass_kg") * table.integer("links")
+        if not values.get("weighed", True):
+            values["mass_kg"] = ""
+        values = {k: v for k, v in values.items() if k not in ("link_mass_kg", "weighed")}
+        robot = super().read(replace(table, values=values))
+        if not isinstance(values["mass_kg"], str):
             with located(table.where("mass_kg")):
                 robot.check_mass()
         return robot
@@ -402,3 +412,30 @@ def changes(earlier: Setup, setup: Setup) -> list[str]:
             if texts[0] != texts[1]:
                 lines.append(f"{name}.{key} is {texts[0]} now; it was {texts[1]}")
     return lines
+
+
+AMENDED = ("robot", "laboratory", "plan", "provenance")  # tables, by older programs
+
+
+def amended(top: Table, details: Sequence[str], path: Path) -> Table:
+    """Return session.toml with the amendments that older programs kept in events.csv put in.
+
+    Raises BadInput where instruments changed: a session has one set of them.
+    """
+    values = dict(top.values)
+    with located(str(path)):
+        for detail in details:
+            try:
+                change = Table.parsed(detail, path).values
+            except ValueError as error:
+                raise BadInput(f"the amendment {detail!r} is not TOML: {error}") from error
+            for name, part in change.items():
+                if name not in AMENDED or not isinstance(part, dict):
+                    raise BadInput(
+                        f"the amendment {detail!r} is of {name!r}; a session has one set of "
+                        f"instruments, and only {', '.join(AMENDED)} were amended. If session.toml "
+                        "was mistyped, correct it there, and take that line out of events.csv; "
+                        "other instruments are another session"
+                    )
+                values[name] = {**values[name], **part}
+    return replace(top, values=values)

@@ -1,4 +1,4 @@
-"""Format 2 on disk: readings of every kind, voids, and lines that were cut short."""
+"""Format 2 on disk: readings of every kind, amendments, voids, and lines that were cut short."""
 
 import math
 import re
@@ -120,7 +120,7 @@ def test_every_kind_of_reading_lands_in_its_place(folder):
 
 
 def test_readings_of_ways_that_are_gone_are_left_out_by_name_and_the_fit_stays(folder):
-    """A slide, a check of break-away and a push by marks, a coast, in an older file."""
+    """A slide, a check of break-away and a push by marks in an older file."""
     append(folder, *STATIONS)
     before = fit_friction(load_session(folder))
     marks = {"kind": "coast", "more": "by=marks track=tracks/0007.csv track_sha256=0"}
@@ -131,7 +131,9 @@ def test_readings_of_ways_that_are_gone_are_left_out_by_name_and_the_fit_stays(f
         reading(8, **marks),
     )
     session = load_session(folder)
-    assert "3 readings of kinds not used here (breakaway, coast, slide)" in (session.notes[0])
+    assert (
+        "3 readings of kinds not used here (breakaway, push by marks, slide)" in (session.notes[0])
+    )
     assert fit_friction(session).intervals == before.intervals
 
 
@@ -167,19 +169,32 @@ def test_a_session_of_ratchet_wheels_is_refused_by_name(folder):
         load_session(folder)
 
 
-@pytest.mark.parametrize("name", ["amend", "restore"])
-def test_an_event_of_an_older_program_that_changes_the_answer_is_refused_by_name(folder, name):
-    append(folder, reading(1))
-    append(folder, event(name, 1), to="events.csv")
-    with refused(f"events.csv:2: event is '{name}'; it must be one of start"):
-        load_session(folder)
+def test_what_older_programs_amended_holds_but_for_instruments_and_ratchet_wheels(folder):
+    append(folder, reading(1, setup=2))
+    append(folder, event("amend", detail='"robot.mass_kg = 0.5"'), to="events.csv")
+    session = load_session(folder)
+    assert session.setup.robot.mass_kg == pytest.approx(0.5)
+    assert "older programs amended holds" in session.notes[0]
+    for change, says in (
+        ("instruments.time_sigma_s = 0.5", "one set of instruments.*correct it there"),
+        ("plan.ratchet = true", "ratchet is True"),
+        ("snake.links = 5", "is of 'snake'"),
+        ("plan.lambda_deg = [90]", "lambda_deg is 90"),
+        ("hm", "is not TOML"),
+    ):
+        path = folder / "events.csv"
+        path.write_text(",".join(EVENT_COLUMNS) + "\n" + event("amend", detail=f'"{change}"'))
+        with refused(says):
+            load_session(folder)
 
 
-def test_a_reading_is_void_by_an_event_or_by_the_one_that_replaces_it(folder):
+def test_void_and_what_older_versions_restored_and_redid(folder):
     append(folder, reading(1), reading(2), reading(3), reading(4, replaces=2, belt_speed_m_s=0.5))
     append(
         folder,
         event("void", 1, "slipped"),
+        event("void", 3, "slip"),
+        event("restore", 3),
         to="events.csv",
     )
     session = load_session(folder)
