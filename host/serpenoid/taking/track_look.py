@@ -6,7 +6,6 @@ Nothing is differentiated for the fit: slopes over short pieces serve only to fi
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +15,7 @@ from ..session.arc import chord_places, curved_path
 from ..session.push import unlikely_push
 from ..session.track import Floats
 
-PIECE_S = 0.13  # time over which a speed is taken
+PIECE_S = 0.15  # time over which a speed is taken: four intervals of 30 pictures a second
 REST_S = 0.4  # rest that counts, which tells where the robot stopped
 REST_SHARE = 0.03  # share of the greatest speed below which the robot rests
 MOVES_M_S = 0.05  # speed above which something moves
@@ -56,10 +55,10 @@ def pushes_in(track: Floats) -> list[Floats]:
         (begin_s, *begin_m), (end_s, *end_m) = track[places[0]], track[places[-1]]
         if math.dist(begin_m, end_m) > PUSH_M and end_s - begin_s > MIN_TIME_S / 2:
             spans_s.append((begin_s, end_s))
-    between_s = [(end + begin) / 2 for (_, end), (begin, _) in pairwise(spans_s)]
-    edges_s = [-math.inf, *between_s, math.inf]
+    ends_s = [-math.inf, *(end for _, end in spans_s)]
+    begins_s = [*(begin for begin, _ in spans_s[1:]), math.inf]
     return [
-        track[(t >= max(edges_s[k], begin - 1.0)) & (t <= min(edges_s[k + 1], end + 1.5))]
+        track[(t >= max(ends_s[k], begin - 1.0)) & (t <= min(begins_s[k], end + 1.5))]
         for k, (begin, end) in enumerate(spans_s)
     ]
 
@@ -143,7 +142,8 @@ def _stop_of(track: Floats, speed: Floats, peak: int) -> tuple[int, int]:
     slow = np.flatnonzero(speed[peak:] < max(REST_SHARE * speed[peak], 0.01))
     if not len(slow):
         return len(t) - 1, len(t) - 1
-    stop = peak + int(slow[0])
+    # from the beginning of the first piece that is slow; a later one would hide a wall
+    stop = int(np.searchsorted(t, t[peak + slow[0]] - PIECE_S / 2))
     moved_m = np.hypot(*(track[stop:, 1:] - track[stop, 1:]).T)
     touched_s = np.min(t[stop:][moved_m > TOUCHED_M], initial=np.inf)
     end_s = min(t[stop] + REST_S, touched_s - PIECE_S)

@@ -37,11 +37,12 @@ ZERO = "0,1 -0.1"
 STATION = "2.0 0.2", ""  # incline and belt speed, then no drift
 
 
-def test_a_floor_with_films_takes_twenty_answers(tmp_path):
+@pytest.mark.parametrize("seed", [1, 8, 12])
+def test_a_floor_with_films_takes_twenty_answers(tmp_path, seed):
     """One film holds all pushes of a pose; what each of its crawls shows is in one, too."""
     setup = default_setup("made up")
     folder = create_session(tmp_path / "s", replace(setup, plan=on_place(setup.plan, "floor")))
-    rng = np.random.default_rng(6)
+    rng = np.random.default_rng(seed)
     lines = []
     for pose, bend_deg in enumerate((0, 20, 42)):
         film = tmp_path / f"{pose}.csv"
