@@ -285,7 +285,7 @@ def _compared(
     if crawl is None:
         return ComparedGait(**vars(band))
     servo = samples.kind and samples.kind.servo
-    pairs = [level_run(session, samples.fit, run, servo, seed) for run in crawl.runs]
+    pairs = [level_run(session, samples.fit, crawl, run, servo, seed) for run in crawl.runs]
     runs, shares = zip(*pairs, strict=True)
     slope_shares = np.mean(shares, axis=0)
     slope_sigma = 0.0 if crawl.runs[0].way == "level" else float(slope_shares.std())

@@ -15,6 +15,7 @@ from ..model.drives import Servo
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..session.crawls import Crawls
 from ..session.gait_run import Crawl
 from ..session.session import Session
 from ..simulation.scene import Scene
@@ -23,6 +24,10 @@ from ..simulation.simulate import simulate
 Slope = tuple[Estimate, Estimate]  # rad, by which a floor falls towards "there", and to its left
 MODEL_SIGMA = 0.2  # relative error of the predicted effect of a slope: friction is a fitted one
 MIN_SHARE = 0.05  # least share of the level speed that a slope leaves
+UPDATES_HZ = (
+    250.0  # greatest rate of a servo's loop: 1000 is 0.2 % off then, in a third of the time
+)
+TOLERANCE = 1e-5  # relative error of a step: a crawl's speed is 1e-4 off at most
 STEPS, ROWS = 160, 20  # time steps of a period, and rows that are kept
 FROM_S, TO_S = 4.0, 16.0  # after the gait's start: then a crawl is measured
 SLOPES = 256  # samples of a floor's slope
@@ -31,23 +36,32 @@ NODES = 1.5 * np.eye(2)  # standard deviations of the slope along and across a c
 
 
 def level_run(
-    session: Session, fit: FrictionFit, run: Crawl, servo: Servo | None = None, seed: int = 2005
+    session: Session,
+    fit: FrictionFit,
+    crawl: Crawls,
+    run: Crawl,
+    servo: Servo | None = None,
+    seed: int = 2005,
 ) -> tuple[Crawl, Array]:
-    """Return a crawl there or back as on level ground, any other as it is; and the slope's doubt.
+    """Return a run there or back as on level ground, any other as it is; and the slope's doubt.
 
-    servo: what moves the joints; None: they follow the gait. What the mean slope does is found with
-    it, for its ripple moves wheels that would stick. Its error is a share of what the slope does
-    there or back, the larger one: in which direction a robot crawls is known to some degrees. The
-    doubt is the speeds over this one on samples of the slope, (SLOPES,).
+    crawl: all runs of the command; a slope does the same to each that goes the same way. servo:
+    what moves the joints; None: they follow the gait. What the mean slope does is found with it,
+    for its ripple moves wheels that would stick. Its error is a share of what the slope does there
+    or back, the larger one: in which direction a robot crawls is known to some degrees. The doubt
+    is the speeds over this one on samples of the slope, (SLOPES,).
     """
     is_level = run.way == "level"
     slope = floor_slope(session, {} if is_level else fit.nuisances)
     # the floor rises ahead of one that goes back
     mean_rad, sigma_rad = (-1.0 if run.way == "there" else 1.0) * np.array(slope).T
-    shares = slope_shares(fit, run.gait, mean_rad, sigma_rad, seed)
+    shares = slope_shares(fit, crawl.gait, mean_rad, sigma_rad, seed)
     if is_level:
         return run, shares
-    driven = replace(run.commanded, offset_rad=run.gait.offset_rad) if servo else run.gait
+    driven = crawl.gait
+    if servo:
+        driven = replace(crawl.commanded, offset_rad=driven.offset_rad)
+        servo = replace(servo, update_hz=min(servo.update_hz, UPDATES_HZ))
     level_m_s, slope_m_s, opposite_m_s = (
         max(_crawl_speed(fit, driven, servo, factor * mean_rad), 1e-6)
         for factor in (0.0, 1.0, -1.0)
@@ -123,6 +137,7 @@ def _crawl(
             incline_rad=incline_rad,
             incline_direction_rad=uphill_rad,
             dt_s=period_s / STEPS,
+            tolerance=TOLERANCE,
             record_every=STEPS // ROWS,
         )
     )

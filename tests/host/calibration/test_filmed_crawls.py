@@ -21,6 +21,7 @@ from serpenoid.friction.result import Estimate
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
 from serpenoid.prediction.level import level_run
+from serpenoid.session.crawls import Crawls
 from serpenoid.session.gait_run import GaitRun
 from serpenoid.taking.new_session import create_session, default_setup, on_place
 from serpenoid.taking.procedure import next_step, progress
@@ -125,7 +126,7 @@ def test_crawls_on_a_floor_that_slopes_are_put_right(gait, along_rad, across_rad
         nuisances=dict(zip(("floor_slope_rad", "floor_slope_across_rad"), known, strict=True)),
     )
     for run in runs:
-        brought, _ = level_run(session, fit, run, moved_by)
+        brought, _ = level_run(session, fit, Crawls((run,)), run, moved_by)
         assert brought.speed_m_s == pytest.approx(level, rel=0.03)
 
 
