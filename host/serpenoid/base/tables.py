@@ -91,7 +91,7 @@ def read_table(
 
 
 def number_columns(
-    path: Path, needed: tuple[str, ...], optional: tuple[str, ...] = ()
+    path: Path, needed: tuple[str, ...], optional: tuple[str, ...]
 ) -> dict[str, list[float]]:
     """Return the numbers of columns by their names; blank lines do not count.
 

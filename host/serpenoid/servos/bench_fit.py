@@ -150,15 +150,13 @@ def _verdict(model: BenchModel, best: Maximum) -> Verdict:
     )
 
 
-def servo_of_test(
-    test: BenchTest, like: ServoKind, *, name: str = "measured", seed: int = 0
-) -> MeasuredServo:
+def servo_of_test(test: BenchTest, like: ServoKind, *, name: str = "measured") -> MeasuredServo:
     """Return what a test of one joint leaves of a kind of servo. Raises BadInput."""
     if like.exact or like.drawn:
         raise BadInput(
             f"servo {like.name!r} has no uncertainty to fit; take `hobby`, or a data sheet's"
         )
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     fits = [_searched(BenchModel(test, like, 0.0), None, rng)]
     for update_hz in sorted({*(like.updates_hz or (like.servo.update_hz,))} - {0.0}):
         fits.append(_searched(BenchModel(test, like, update_hz), fits[0], rng))

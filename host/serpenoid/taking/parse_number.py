@@ -32,7 +32,7 @@ _SPELLINGS = {
 }
 
 
-def bare_unit(field: Field, belt_unit: str = "") -> str:
+def bare_unit(field: Field, belt_unit: str) -> str:
     """Return the unit of a number that is typed without one."""
     return belt_unit if belt_unit and field.column.startswith("belt_speed") else field.unit
 

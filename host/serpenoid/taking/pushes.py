@@ -12,9 +12,7 @@ from ..session.track import TRACK, Floats, Track
 from .track_look import Look, look_at, pushes_in
 
 
-def keep_pushes(
-    journal: Journal, track: Floats, cells: Cells, *, file_sha256: str = ""
-) -> list[Push]:
+def keep_pushes(journal: Journal, track: Floats, cells: Cells, *, file_sha256: str) -> list[Push]:
     """Keep every push of a track, t_s, x_m, y_m in rows; return those readings.
 
     The first sound push goes the cells' way; the others there or back by where they go in the same
@@ -25,8 +23,8 @@ def keep_pushes(
     setup, file = journal.session.setup, file_sha256[:16]
     lambda_deg = float(cells.get("lambda_deg", 0.0))
     pieces = _pieces(track, slips(setup.plan.bend, lambda_deg, setup.robot.links))
-    pushes = journal.session.kept_pushes if file else ()
-    used = {push.track.sha256: push for push in pushes if push.track and push.file_sha256 == file}
+    kept = [push for push in journal.session.kept_pushes if push.file_sha256 == file]
+    used = {push.track.sha256: push for push in kept if push.track}
     new = [sha256 for sha256 in pieces if sha256 not in used]
     sound_pushes = [sha256 for sha256 in new if not pieces[sha256][1].doubts]
     if used and not (sound_pushes and used.keys() <= pieces.keys()):

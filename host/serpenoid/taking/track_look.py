@@ -63,7 +63,7 @@ def pushes_in(track: Floats) -> list[Floats]:
     ]
 
 
-def look_at(track: Floats, slips: bool = False) -> Look:
+def look_at(track: Floats, slips: bool) -> Look:
     """Look at the track of one push; raises BadInput where there is none.
 
     slips: no straight link holds the robot on its path.

@@ -70,7 +70,7 @@ def test_several_boards_or_none_are_listed(plugged, monkeypatch):
         opened(None)
     plugged()
     assert "no board found" in serpenoid("ports").stderr
-    assert "none at all" in found(None)["port"].fix
+    assert "ports here: none" in found(None)["port"].fix
 
 
 @pytest.mark.parametrize(("group", "cure"), [("uucp", "usermod -aG uucp "), ("root", "udev")])

@@ -51,9 +51,7 @@ class DrivenRun:
     joints: how many the robot must have, None if any will do.
     """
 
-    def __init__(
-        self, gait: Gait, port: str | None, record: Path | None, joints: int | None = None
-    ):
+    def __init__(self, gait: Gait, port: str | None, record: Path | None, joints: int | None):
         self.gait = gait
         self.robot = RobotBoard(port, joints=joints, record=record, unattended_s=UNATTENDED_S)
         self.first: Telemetry | None = None

@@ -38,14 +38,13 @@ def find_port() -> str:
         names = ", ".join(f"{p.device} ({board_chip(p)}, {p.description})" for p in boards)
         raise PortMissing(f"{len(boards)} ports may be the robot: {names}; name one of them")
     raise PortMissing(
-        f"no board found by its USB id; serial ports here: {port_names('none at all')}. "
-        f"{why_no_port()}"
+        f"no board found by its USB id; serial ports here: {port_names()}. {why_no_port()}"
     )
 
 
-def port_names(none: str = "none") -> str:
-    """Return the serial ports of this computer in words; none: the word for none."""
-    return ", ".join(p.device for p in serial_ports()) or none
+def port_names() -> str:
+    """Return the serial ports of this computer in words."""
+    return ", ".join(p.device for p in serial_ports()) or "none"
 
 
 def is_there(port: str) -> bool:
