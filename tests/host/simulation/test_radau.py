@@ -74,7 +74,7 @@ def test_ringing_above_the_tolerance_is_followed(c: float) -> None:
     assert error(sn.simulate(scene)) > 1e-5  # so large is the ringing
     for tolerance in (1e-6, 1e-7):
         run = sn.simulate(replace(scene, tolerance=tolerance, start=start))
-        assert error(run) < min(tolerance, run.local_error)
+        assert error(run) < min(0.1 * tolerance, run.local_error)
 
 
 def test_ringing_below_the_tolerance_is_stepped_over() -> None:
@@ -88,6 +88,29 @@ def test_ringing_below_the_tolerance_is_stepped_over() -> None:
     pinned = sn.simulate(replace(driven, formulation="explicit", method="dop853", tolerance=1e-9))
     assert tc.off(tc.places(run), tc.places(pinned), PAPER) < 1e-5
     assert run.steps < 300
+
+
+@pytest.mark.parametrize(("k", "c"), [(1e5, 1.0), (1e5, 32.0), (1e7, 320.0)])
+def test_errors_do_not_add_up_over_many_steps(k: float, c: float) -> None:
+    """Each corner of a table of torques makes 24 links ring; their errors all lean to one side."""
+    led = sn.Scene(sn.Robot(24, 1.0, 0.12), VISCOUS, STIFF.gait, method="rk4", record=("joints",))
+    turn = sn.simulate(replace(led, duration_s=1.0, record_every=10))
+    scene = replace(
+        led,
+        formulation="implicit",
+        joint_stiffness_n_m=k,
+        joint_damping_n_s_m=c,
+        drive="torque",
+        torque=sn.TorqueTable(turn.t_s, turn.joint_torque_nm),
+        start=turn.state(0),
+        duration_s=1.0,
+        dt_s=0.1,
+        record_every=1,
+    )
+    exact = sn.simulate(replace(scene, method="dop853", tolerance=1e-12))
+    for tolerance in (1e-6, 1e-9):
+        run = sn.simulate(replace(scene, method="radau", tolerance=tolerance))
+        assert tc.off(tc.places(run), tc.places(exact), scene.robot) < tolerance
 
 
 def test_where_a_fixed_step_is_refused_this_method_is_named_and_runs() -> None:
@@ -109,7 +132,7 @@ def test_recorded_times_lie_on_the_motion() -> None:
     assert np.abs(run.x_m - fine.x_m).max() < 1e-6
     assert np.abs(run.omega_rad_s - fine.omega_rad_s).max() < 1e-5
     scale = np.abs(fine.joint_force_x_n).max()
-    assert np.abs(run.joint_force_x_n - fine.joint_force_x_n).max() < 2e-3 * scale
+    assert np.abs(run.joint_force_x_n - fine.joint_force_x_n).max() < 1e-3 * scale
 
 
 def test_a_torque_beyond_numbers_ends_with_its_cause() -> None:

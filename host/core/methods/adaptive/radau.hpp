@@ -22,7 +22,8 @@ namespace serpenoid {
 // one of order 3, filtered by the real matrix: in a stiff direction it is then the distance from
 // the slow motion. It counts in places, and in rates by the places that they lead to within the
 // step. So ringing and decays are followed where they swing by more than the tolerance, and stepped
-// over where they do not, however fast they are.
+// over where they do not, however fast they are. An error of motion that the steps resolve counts
+// more, as it adds up over them; of what is stepped over, the swing bounds the whole.
 //
 // What is integrated beside the motion follows it and chooses nothing.
 class Radau final : public Method {
