@@ -43,11 +43,6 @@ class Measured(NamedTuple):
     prior_sigma: float
     sigma: float
 
-    @property
-    def is_determined(self) -> bool:
-        """Tell whether the test determines it."""
-        return self.sigma < MAX_SIGMA_RATIO * self.prior_sigma
-
 
 class Verdict(NamedTuple):
     """Whether the model describes a table: p-value, and the rows where residuals are largest.
@@ -82,7 +77,11 @@ class MeasuredServo:
     @property
     def determined(self) -> dict[str, Measured]:
         """Return what the test determines."""
-        return {name: value for name, value in self.values.items() if value.is_determined}
+        return {
+            name: value
+            for name, value in self.values.items()
+            if value.sigma < MAX_SIGMA_RATIO * value.prior_sigma
+        }
 
     @property
     def open(self) -> list[str]:

@@ -14,6 +14,7 @@ import io
 import os
 from collections.abc import Mapping, Sequence
 from datetime import datetime, timezone
+from importlib.metadata import version
 from io import FileIO
 from pathlib import Path
 from typing import Any
@@ -41,6 +42,7 @@ from .session import Session
 from .settings import changes
 from .track import PLACES, Samples, Track, typed_track
 
+PROGRAM = f"serpenoid {version('serpenoid')}"  # as the files name it
 Listed = tuple[str, Cells, str]  # kind, cells and comment
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from ..model.bends import FEWEST_LINKS
 from ..model.gait import Gait
 from ..session.declaration import Values
 from ..session.folder import read_session
-from ..session.journal import csv_line, utc_now
+from ..session.journal import PROGRAM, csv_line, utc_now
 from ..session.rows import EVENT_COLUMNS, READING_COLUMNS
 from ..session.settings import (
     ASSUMED_LINK_KG,
@@ -186,8 +185,7 @@ def create_session(folder: str | Path, setup: Setup) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     for name, columns in (("readings.csv", READING_COLUMNS), ("events.csv", EVENT_COLUMNS)):
         write_text(folder / name, csv_line(list(columns)))
-    program = f"serpenoid {version('serpenoid')}"
-    write_text(folder / "session.toml", setup.text(program, utc_now()))
+    write_text(folder / "session.toml", setup.text(PROGRAM, utc_now()))
     return folder
 
 

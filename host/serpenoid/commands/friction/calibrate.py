@@ -69,11 +69,11 @@ def _journal(folder: Path) -> Journal:
 
 
 def _scripted(folder: Path, script: Path) -> None:
+    from ...session.journal import PROGRAM
     from ...taking.script import run_script
-    from .calibrate_person import program
 
     with _journal(folder) as journal:
-        journal.event("start", detail=f"{program()}, script {script.name}")
+        journal.event("start", detail=f"{PROGRAM}, script {script.name}")
         added = run_script(journal, script, lambda step: say(f"done: {step.key}", err=True))
         journal.event("end")
         say(f"{count_text(added, 'reading')} added; {journal.session}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import ExitStack, suppress
-from importlib.metadata import version
 from pathlib import Path
 
 from ...base.errors import RecordingFailed, SerpenoidError
@@ -11,7 +10,7 @@ from ...friction.fit import fit_friction
 from ...model.gait import Gait
 from ...model.robot import Robot
 from ...robot.wire.link import Link
-from ...session.journal import Journal
+from ...session.journal import PROGRAM, Journal
 from ...session.session import Session
 from ...show.screen import say
 from ...taking.asking import Quit, Skip, Undo
@@ -48,7 +47,7 @@ def with_a_person(folder: Path, port: str | Link | None) -> None:
                 "\x1b": robot.stop,
                 " ": robot.stop,
             }
-        journal.event("start", detail=program())
+        journal.event("start", detail=PROGRAM)
         if robot is not None:
             journal.event("connect", detail=robot.greeting)
             console.say(f"robot: {robot.greeting}")
@@ -75,11 +74,6 @@ def _so_far(session: Session) -> str:
         f"{row.name} {row.value:.3g} ± {row.sigma:.1g} {row.unit}" for row in fit.rows()
     )
     return "\n".join([f"so far, whole snake: {values}", fit.chi2_in_words, *fit.alarms])
-
-
-def program() -> str:
-    """Return this program and its version."""
-    return f"serpenoid {version('serpenoid')}"
 
 
 def film_reader(side_m: float | None, capture_fps: float | None = None) -> FilmReader:

@@ -26,7 +26,7 @@ _ROW = re.compile(rb"(\d{1,12}(?:\.\d{1,9})?) ([<>]) (.*)", re.DOTALL)
 class Stream:
     """A recorded run of N frames; arrays have one row a frame, joints count from the tail.
 
-    begun: UTC, ISO 8601. host_s (N,): arrival since the start. frame (N,): the board's count.
+    host_s (N,): arrival since the start. frame (N,): the board's count.
     board_s (N,): the board's time, wraps undone. phase_rad (N,), setpoint_rad (N, joints), pulse_us
     (N, joints), exec_us (N,), late_us (N,), clipped (N,), state (N,): as in the telemetry of
     PROTOCOL.md. sent, reports: all lines to the board, and those from it that are not telemetry, as
@@ -35,7 +35,6 @@ class Stream:
     hops, another number of joints. end: how the run ended, None if it was cut off.
     """
 
-    begun: str
     host_s: NDArray[np.float64]
     frame: NDArray[np.int64]
     board_s: NDArray[np.float64]
@@ -61,7 +60,7 @@ def load_stream(path: Path) -> Stream:
     reading = _Reading(Path(path))
     for number, row in rows:
         reading.take(number, row)
-    return reading.stream(title.rpartition(" ")[2])
+    return reading.stream()
 
 
 def _rows(path: Path) -> Iterator[tuple[int, bytes]]:
@@ -97,7 +96,7 @@ class _Reading:
         except ValueError as error:  # no row of a recording, or time runs backwards
             raise BadInput(f"{self._path}:{number}: {row[:60]!r} ({error})") from None
 
-    def stream(self, begun: str) -> Stream:
+    def stream(self) -> Stream:
         """Return all that was taken."""
         import numpy as np
 
@@ -114,7 +113,6 @@ class _Reading:
             "state": columns["state"].astype(str),
         }
         return Stream(
-            begun=begun,
             sent=tuple(self._sent),
             reports=tuple(self._reports),
             damaged=self._damaged,
