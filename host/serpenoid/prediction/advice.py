@@ -80,16 +80,15 @@ class Advice(Result):
 
     def in_words(self) -> str:
         """Return which reading to take, or that none is worth its time."""
-        present = f"{100 * self.band:.2g} %"
-        if not self.worth:
-            return (
-                f"No further reading is worth its time: none makes the speed's band, ±{present}, a "
-                f"tenth narrower. {self.note}"
-            ).strip()
-        next_band = f"{100 * self.best.band:.2g} %"
-        what = f"{self.best.words} ({self.best.minutes:.0f} minutes)"
-        bands = f"±{next_band}, now ±{present}"
-        return f"Take next: {what}; the speed is then known to {bands}. {self.note}"
+        best, present = self.best, f"±{100 * self.band:.2g} %"
+        text = (
+            f"Take next: {best.words} ({best.minutes:.0f} minutes); the speed is then known to "
+            f"±{100 * best.band:.2g} %, now {present}."
+            if self.worth
+            else f"No further reading is worth its time: none makes the speed's band, {present}, a "
+            "tenth narrower."
+        )
+        return f"{text} {self.note}".strip()
 
     def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
         """Return the best readings and the speed's band after each; none where words do."""

@@ -68,12 +68,10 @@ class ComparedGait(SpeedBand):
         """Return the gait and its speeds, m/s, as in the heads of a comparison."""
         measured = f"{self.measured_m_s:.4f} ± {self.sigma_m_s:.4f}" if self.runs else "–"
         band_text = "too fast" if self.too_fast else f"{self.low_m_s:.3g} to {self.high_m_s:.3g}"
-        implicit = "–"
-        if self.implicit_m_s is not None:
-            implicit = f"{self.implicit_m_s:.4f} ± {self.implicit_error_m_s:.1g}"
+        implicit = "–" if self.implicit_m_s is None else f"{self.implicit_m_s:.4f}"
         friction = f"{self.low_friction_m_s:.3g} to {self.high_friction_m_s:.3g}"
-        exact = f"{self.exact_m_s:.4f}"
-        return [gait_name(self.gait), measured, band_text, implicit, exact, friction]
+        speeds = measured, band_text, implicit, f"{self.exact_m_s:.4f}", friction
+        return [gait_name(self.gait), *speeds]
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,10 +130,9 @@ class Comparison(Plottable):
 
     def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
         """Return one line for each gait, m/s: measured, with joints and servos, implicit, ideal."""
-        servos = "" if self.servo is None else f" and servos ({self.servo.name})"
-        heads = ["gait", "measured, m/s", f"95 % with joints{servos}, m/s", "implicit\nmodel"]
-        heads += ["ideal\njoints", "95 % friction"]
-        lines = [heads, *(gait.cells() for gait in self.gaits)]
+        servos = "" if self.servo is None else f", {self.servo.name} servos"
+        heads = ["gait", "measured, m/s", f"95 %{servos}, m/s", "implicit\nmodel", "ideal\njoints"]
+        lines = [[*heads, "95 % friction"], *(gait.cells() for gait in self.gaits)]
         first = 1 if any(gait.runs for gait in self.gaits) else 2
         last = None if verbose else 5
         heads, *cells = [[line[0], *line[first:last]] for line in lines]

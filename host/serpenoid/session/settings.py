@@ -364,15 +364,18 @@ class Setup:
 
     def in_words(self) -> str:
         """Return what a fit takes from session.toml, and what of it is still to be filled in."""
-        body, tools, robot = self.robot_table, self.instruments, self.robot
+        tools, robot = self.instruments, self.robot
         grams, mm = 1000 * robot.links * robot.link_mass_kg, 1000 * robot.link_length_m
+        treadmill = (
+            f"inclinometer ± {tools.incline_sigma_deg:.2g} deg, belt ± "
+            f"{tools.belt_speed_sigma_m_s:.2g} m/s, "
+        )
         text = (
             f"{robot.links} links of {mm:.4g} mm, {grams:.4g} g ± {100 * self.mass_sigma:g} %, "
-            f"inclinometer ± {tools.incline_sigma_deg:.2g} deg, belt ± "
-            f"{tools.belt_speed_sigma_m_s:.2g} m/s, bends ± {tools.lambda_sigma_deg:.2g} deg, "
+            f"{treadmill * (self.plan.on != 'floor')}bends ± {tools.lambda_sigma_deg:.2g} deg, "
             f"joints ± {tools.joint_sigma_deg:.2g} deg"
         )
-        empty = [key for key in LATER if getattr(body, key) is None]
+        empty = [key for key in LATER if getattr(self.robot_table, key) is None]
         return text + (f"; still to be filled in: {', '.join(empty)}" if empty else "")
 
     @property

@@ -78,9 +78,7 @@ def next_step(session: Session, posed_deg: float | None = None) -> Step:
     """
     step = next((step for _, _, step in _parts(session) if step is not None), None)
     if step is None:
-        left_out = len(session.skipped)
-        but = f", but for {left_out} left out" if left_out else ""
-        return Step("done", "done", f"all of the plan is done{but}")
+        return Step("done", "done", "nothing of the plan is left to take")
     if step.kind not in ("station", "push"):
         return step
     shown_deg = shown_bend(session, step.lambda_deg)
@@ -104,8 +102,8 @@ def _parts(session: Session) -> Iterator[tuple[str, str, Step | None]]:
         key: str, kind: type[Observation], say: str, due: bool, done: bool
     ) -> tuple[str, str, Step | None]:
         step = Step(key, kind.kind, say, kind.questions())
-        open_ = due and not done and key not in skipped
-        return key, "done" if done else "open", step if open_ else None
+        due = due and not done and key not in skipped
+        return key, "done" if done else "open", step if due else None
 
     if not floor:
         yield check("zero before", ZeroReading, ZERO, not begun, True in zeros)
@@ -114,7 +112,8 @@ def _parts(session: Session) -> Iterator[tuple[str, str, Step | None]]:
         step = _push(session, bend_deg) if floor else _station(session, bend_deg)
         step = None if key in skipped else step
         amount = f"{count} of {plan.pushes}" if floor else count_text(count, "station")
-        state = ", more to come" if step else ", done" if count else ", left out"
+        done = count >= (plan.pushes if floor else 1)
+        state = ", more to come" if step else ", done" if done else ", the rest left out"
         yield key, amount + state, step
     if not floor:
         yield check("zero after", ZeroReading, ZERO, begun, False in zeros)
@@ -135,16 +134,17 @@ def _pose(setup: Setup, bend_deg: float) -> Step:
 def _push(session: Session, bend_deg: float) -> Step | None:
     """Return the next push in a pose; None where all are done."""
     plan, done = session.setup.plan, taken_in(session, bend_deg)
-    pose = f"bend {bend_deg:g}" if bend_deg else "straight"
-    key = f"push {len(done) + 1}, {pose}"
-    if len(done) >= plan.pushes or key in session.skipped:
+    pose = pose_key(plan, bend_deg).removeprefix("pushes, ")
+    keys = [f"push {number} of {plan.pushes}, {pose}" for number in range(1, plan.pushes + 1)]
+    to_come = [key for key in keys if key not in session.skipped][len(done) :]
+    if not to_come:
         return None
     forward = sum(push.way == "there" for push in done)
-    way = "there" if 2 * forward <= len(done) else "back"
+    way = WAYS[2 * forward > len(done)]
     how = "Turn the robot round first." if done else PUSH
-    say = f"Push {len(done) + 1} of {plan.pushes}, {pose}, {way.upper()}. {how}"
+    say = f"{to_come[0].capitalize()}, {way.upper()}. {how}"
     fields = Push.questions("distance_m", "duration_s", "turned_deg")
-    return Step(key, "push", say, fields, bend_deg, cells={"way": way})
+    return Step(to_come[0], "push", say, fields, bend_deg, cells={"way": way})
 
 
 def next_incline_deg(session: Session, bend_deg: float) -> float | None:
@@ -158,10 +158,9 @@ def next_incline_deg(session: Session, bend_deg: float) -> float | None:
     """
     plan, top_m_s = session.setup.plan, session.setup.plan.belt_speed_max_m_s
     stations = taken_in(session, bend_deg)
-    key = _station_key(bend_deg)
-    skipped = [k.removeprefix(key) for k in session.skipped if k.startswith(key)]
+    skipped = [key for key in session.skipped if key.startswith(_station_key(bend_deg))]
     inclines_deg = [math.degrees(station.incline_rad) for station in stations]
-    tried = inclines_deg + [float(incline.split()[0]) for incline in skipped]
+    tried = inclines_deg + [float(key.split()[-2]) for key in skipped]
     if not tried:
         return _first_incline_deg(session, bend_deg)
     # The treadmill's own step at least, or its rounding could stay below for ever.
@@ -270,7 +269,6 @@ def _station(session: Session, bend_deg: float) -> Step | None:
 def _gait_run(session: Session) -> Step | None:
     """Return the next gait run of the plan; None where all are done."""
     plan = session.setup.plan
-    floor = plan.on == "floor"
     crawls = [(run.alpha_rad, run.beta_rad, run.omega_rad_s) for run in session.kept_crawls]
     for number, gait in enumerate(plan.gaits, 1):
         planned = gait.alpha_rad, gait.beta_rad, gait.omega_rad_s
@@ -280,8 +278,10 @@ def _gait_run(session: Session) -> Step | None:
         if runs >= plan.gait_runs or key in session.skipped:
             continue
         # On a floor there and back, so that its slope cancels.
-        way = WAYS[runs % 2] if floor else "level"
-        where = f"along the line of the pushes, {way.upper()}" if floor else "level ground"
+        way, where = "level", "level ground"
+        if plan.on == "floor":
+            way = WAYS[runs % 2]
+            where = f"along the line of the pushes, {way.upper()}"
         say = (
             f"Gait run {runs + 1} of {plan.gait_runs}, {where}, of the same surface: "
             f"{gait_name(gait)}. Once it goes steadily, film it from above for two cycles at "

@@ -120,7 +120,7 @@ def bend_step(key: str, setup: Setup, bend_deg: float) -> Step:
         )
     else:
         multiples = joint_multiples(balanced_signs(setup.robot.links))
-        joints = ", ".join(f"{multiple * bend_deg:+g}" for multiple in multiples)
+        joints = ", ".join(f"{m * bend_deg:+g}" if m else "0" for m in multiples)
         how = f"balanced: joints from the tail at {joints} deg."
     (shown,) = BendCheck.questions("between_links_deg")
     likely = between_deg - 5.0, between_deg + 5.0

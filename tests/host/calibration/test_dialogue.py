@@ -58,7 +58,7 @@ def test_a_floor_with_films_takes_twenty_answers(tmp_path, seed):
     lines += 4 * ["", "10 1"]
     with SessionRobot("virtual:fast") as seat:
         heard, session = talk(folder, *lines, robot=seat)
-    assert heard.endswith("all of the plan is done\n")
+    assert heard.endswith("nothing of the plan is left to take\n")
     assert len(lines) <= 20
     assert len(session.kept_pushes) == 24
     assert len(session.kept_crawls) == 4
@@ -102,7 +102,7 @@ def test_a_treadmill_takes_at_most_ninety_answers(folder, tmp_path):
             lines += ["", ""]  # straight, and steered
     with SessionRobot("virtual:fast") as robot:
         heard, again = talk(folder, *lines, robot=robot)
-    assert heard.endswith("all of the plan is done\n"), heard
+    assert heard.endswith("nothing of the plan is left to take\n"), heard
     assert len(again.kept_stations) == len(session.kept_stations)
     assert len(lines) <= 90
 
@@ -194,4 +194,4 @@ def test_bends_and_gaits_beyond_a_joint_are_said_and_may_be_skipped(floor):
         heard, _ = talk(floor, "", *PUSH, *bent, "", "skip", "", "skip", "skip", robot=seat)
     assert "! the board refuses 'pose" in heard
     assert "! the board refuses 'gait" in heard
-    assert "all of the plan is done, but for " in heard
+    assert "nothing of the plan is left to take" in heard

@@ -67,7 +67,12 @@ def test_a_session_of_a_treadmill_goes_on_on_the_floor(tmp_path):
     replan(folder, on="floor")
     said = run(f"calibrate {folder}", typed="\n1.0\n2.4\n\nquit\n")
     assert "kept as reading 1" in said
-    assert "pushes, straight 1 of 8" in run(f"calibrate status {folder}")
+    assert "pushes, straight 1 of 8, more to come" in run(f"calibrate status {folder}")
+    said = run(f"calibrate {folder}", typed="\n\nskip\n1.0 2.4\nquit\n")
+    assert "left out: push 2 of 8, straight" in said
+    assert "Push 3 of 8, straight, BACK" in said
+    run(f"calibrate {folder}", typed="\n\n" + 5 * "skip\n" + "quit\n")
+    assert "pushes, straight 2 of 8, the rest left out" in run(f"calibrate status {folder}")
 
 
 def test_a_simulated_person_pushes_the_wheels_that_the_session_names(tmp_path):

@@ -139,11 +139,14 @@ def report(session: Path, servo: str | None, page: Path | None, settings: Values
 
     page = page or session / "report.html"
     loaded, fit, kind, _ = measured(session, servo, settings)
-    compared = None
-    if compared_gaits(loaded):
-        compared = busy(
-            "comparing", lambda share: sn.compare(loaded, fit, servo=kind, progress=share)
-        )
-    advised = sn.advise(loaded, servo=kind) if loaded.setup.plan.gaits else None
-    write_text(page, session_page(loaded, fit, compared, advised))
+    text = busy(
+        "comparing, advising and drawing",
+        lambda _: session_page(
+            loaded,
+            fit,
+            sn.compare(loaded, fit, servo=kind) if compared_gaits(loaded) else None,
+            sn.advise(loaded, servo=kind) if loaded.setup.plan.gaits else None,
+        ),
+    )
+    write_text(page, text)
     say(f"wrote {page}")
