@@ -265,11 +265,11 @@ def _joints_as_filmed(crawl: Crawls) -> str:
     """Return how far the joints of a filmed gait moved, which its prediction takes."""
     if not crawl.films:
         return ""
-    numbers = " and ".join(str(film.number) for film in crawl.films)
+    numbers = " and ".join(f"film {film.number}" for film in crawl.films)
     gain = float(np.mean([film.mean_gain for film in crawl.films]))
     sigma = math.hypot(*(film.gain_sigma for film in crawl.films)) / len(crawl.films)
     return (
-        f"Joints in film {numbers} reach {gain:.1%} ± {sigma:.1%} of the commanded amplitude; the "
+        f"Joints in {numbers} reach {gain:.1%} ± {sigma:.1%} of the commanded amplitude; the "
         "prediction takes them as filmed."
     )
 

@@ -66,7 +66,7 @@ def test_the_page_says_what_it_must(folder, page) -> None:
         "ct_whole",
         "each of 6 links",
         "readings agree",
-        "2 readings voided",
+        "2 void readings",
         "Agrees: the speed of 1 gait is likely enough",
         REMARK.replace("&", "&amp;"),
         '<tr class="void"><td>15</td>',

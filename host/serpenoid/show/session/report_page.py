@@ -130,9 +130,7 @@ def _story(session: Session) -> str:
     return (
         f'<p class="soft">A {escape(setup.provenance.kind)} session: a robot of {robot.links} '
         f"links, {robot.mass_kg:.4g} kg, {robot.links * robot.link_length_m:.3g} m"
-        f"{escape('; ' + where if where else '')}. {len(session.kept_stations)} stations held, "
-        f"{len(session.kept_pushes)} pushes, {len(session.kept_gait_runs)} gait runs; "
-        f"{sum(r.voided for r in session.readings)} readings voided.</p>"
+        f"{escape('; ' + where if where else '')}. {escape(str(session))}.</p>"
     )
 
 
