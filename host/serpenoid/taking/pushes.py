@@ -23,8 +23,8 @@ def keep_pushes(journal: Journal, track: Floats, cells: Cells, *, file_sha256: s
     setup, file = journal.session.setup, file_sha256[:16]
     lambda_deg = float(cells.get("lambda_deg", 0.0))
     pieces = _pieces(track, slips(setup.plan.bend, lambda_deg, setup.robot.links))
-    kept = [push for push in journal.session.kept_pushes if push.file_sha256 == file]
-    used = {push.track.sha256: push for push in kept if push.track}
+    pushes = [push for push in journal.session.kept_pushes if push.file_sha256 == file]
+    used = {push.track.sha256: push for push in pushes if push.track}
     new = [sha256 for sha256 in pieces if sha256 not in used]
     sound_pushes = [sha256 for sha256 in new if not pieces[sha256][1].doubts]
     if used and not (sound_pushes and used.keys() <= pieces.keys()):
