@@ -136,6 +136,7 @@ def _crawl(
             duration_s=(last + 1) * period_s,
             incline_rad=incline_rad,
             incline_direction_rad=uphill_rad,
+            method="nonsmooth",
             dt_s=period_s / STEPS,
             tolerance=TOLERANCE,
             record_every=STEPS // ROWS,
