@@ -94,19 +94,22 @@ def test_a_floor_whose_slope_nobody_measured_is_no_fault_of_the_robot(fitted):
 
 
 def test_p_values_of_what_was_drawn_are_even():
-    """Frictions that skew, three gaits: each p is as frequent as another."""
+    """Frictions that skew, servos that differ, three gaits: each p is as frequent as another."""
     rng, found = np.random.default_rng(7), []
 
     def joints(count):
         skewed = np.exp(0.1 * rng.normal(size=(count, 2)))
         return skewed @ np.array([[0.05, 0.1, 0.1], [0.05, 0.05, 0.1]])
 
+    def servos(count):
+        return np.exp(0.1 * rng.normal(size=(count, 3)))
+
     for seed in range(200):
-        true, samples = joints(1)[0], joints(64)
+        true, samples = joints(1)[0] * servos(1)[0], joints(64)
         sigma = np.array([0.001, 0.002, 0.003])
         drawn = true + np.hypot(sigma, 0.01 * true) * rng.normal(size=3)
         level = np.ones_like(samples)
-        found.append(Predicted(samples, level, level, drawn, sigma).p_value(seed))
+        found.append(Predicted(samples, servos(64), level, drawn, sigma).p_value(seed))
     even = (np.arange(200) + 0.5) / 200
     assert np.abs(np.sort(found) - even).max() < 1.63 / math.sqrt(200)  # Kolmogorov, 1 %
 
