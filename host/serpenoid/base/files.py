@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 
 from .errors import BadInput, SerpenoidError
 
-MOST_BYTES = 16_000_000  # of a file that people or this program write as text
+MOST_BYTES = 16_000_000  # bytes of a file that people or this program write as text
 # Control characters, which a terminal obeys, are written out as \x1b, but for line ends and tabs.
 _CONTROL = (*range(32), *range(127, 160))
 _WRITTEN = {k: f"\\x{k:02x}" for k in _CONTROL if chr(k) not in "\n\t"}

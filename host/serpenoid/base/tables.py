@@ -18,7 +18,7 @@ from typing import TypeVar
 from .errors import BadInput
 from .files import csv_rows, read_bytes, with_line_feeds
 
-HEAD_LINES = 20  # of a file, among which the names of the columns are looked for
+HEAD_LINES = 20  # lines of a file, among which the names of the columns are looked for
 SEPARATORS = ("\t", ";", ",", " ")  # tried in this order: a comma may be a decimal's, or in a name
 SHOWN = 120  # characters of a file's own line in a message
 EMPTY_CELLS = frozenset(("", "-", "--", "–", "?"))  # nothing was seen there

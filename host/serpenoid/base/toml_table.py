@@ -28,7 +28,7 @@ class Table:
     values: Mapping[str, Any]
     path: Path
     text: str
-    start: int = 0  # in text, just behind the table's heading
+    start: int = 0  # place in text, just behind the table's heading
 
     @classmethod
     def load(cls, path: Path) -> Table:

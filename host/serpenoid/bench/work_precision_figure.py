@@ -13,7 +13,7 @@ from ..simulation.scene import METHODS
 from .problems import problems, reference
 from .work_precision import PEER, Row
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#B8860B")  # of our methods, in order
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#B8860B")  # our methods, in order
 ERRORS, TIMES_S = (3.0, 1e-15), (3e-6, 5.0)  # the same in all panels
 WORDS = (
     "Filled: this package; open: SciPy's solvers, on equations in Python. Lower is "

@@ -174,7 +174,7 @@ def _span(text: str, name: str) -> list[float]:
     numbers = [parsed_number(name, part) for part in text.split(":")]
     if len(numbers) == 1:
         return numbers
-    with suppress(ValueError, ArithmeticError):  # of two numbers, of a step of 0, of NaN
+    with suppress(ValueError, ArithmeticError):  # two numbers, a step of 0, NaN
         first, last, step = numbers
         count = int((last - first) / step + 1 + 1e-9)
         if step > 0 and 1 <= count <= MAX_GAITS:
@@ -259,7 +259,7 @@ def sweep(
 
 # Of a new board, and the share of speed kept with 10 % less amplitude or 20 % less friction across.
 BOARD_LIMITS = {"joint_angle_deg": 90.0, "servo_speed_deg_s": 500.0, "kept_speed_share": 0.8}
-MAX_RATE_SHARE = 1 - 1e-4  # of the rate that servos follow: a search may end so far beyond a limit
+MAX_RATE_SHARE = 1 - 1e-4  # share of the rate that servos follow: a search may end so far off
 LIMITS = (  # The fields of GaitLimits, whose angles are in radians
     Setting("joint_angle_deg", "most a joint may bend", "deg", Limits(0, 180, open_low=True), "90"),
     Setting(

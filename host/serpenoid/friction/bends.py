@@ -97,7 +97,7 @@ class Bends:
         if not self.errors:
             return self.lambda_rad[None]
         errors = [values[error.name] for error in self.errors]
-        errors.append(np.zeros_like(errors[0]))  # of straight readings, whose posture is -1
+        errors.append(np.zeros_like(errors[0]))  # error of straight readings, whose posture is -1
         return np.asarray(self.lambda_rad + np.stack(errors, axis=1)[:, self.posture])
 
 

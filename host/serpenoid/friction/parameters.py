@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Integers = NDArray[np.intp]
 Rows = NDArray[np.bool_]  # which residuals
-Values = Mapping[str, Floats]  # of each parameter, (K,)
+Values = Mapping[str, Floats]  # values of each parameter, (K,)
 
 FRICTIONS: tuple[str, ...] = ("ct", "cn", "ft0", "fn0")  # the whole snake's, in their order
 # Taken where a set-up claims a zero without error: an undeclared 0.1 degrees would leave ft0's 95 %

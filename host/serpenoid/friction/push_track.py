@@ -17,7 +17,7 @@ from .parameters import Floats
 from .rolling_law import integral, rest_point, way_m
 
 MIN_SPEED_M_S = 1e-3
-MIN_DRY_M_S2 = 1e-6  # of a push that would not come to rest: it then takes long, not for ever
+MIN_DRY_M_S2 = 1e-6  # a push that would not come to rest then takes long, not for ever
 ROUNDS = 4  # steps of Gauss-Newton for a push's own numbers; the last one is below 1e-3 sigma
 LAW_STEPS = np.full(8, 1e-3)  # steps of the differences by the law's numbers
 START_STEPS = np.array([1e-3, 1e-3, 1e-3, 1e-3, 0.03, 0.03])  # and by those of the start

@@ -151,7 +151,7 @@ class Stations:
         """Return r_i (K, N): see the head of this file."""
         count = self.rounding_samples.shape[1]
         errors = [values[f"{ROUNDING}{k}"] for k in range(count)]
-        errors.append(np.zeros(1))  # of readings whose rounding is their own: -1
+        errors.append(np.zeros(1))  # error of readings whose rounding is their own: -1
         shared = np.stack(np.broadcast_arrays(*errors), axis=1)[:, self.rounding]
         excess, spread, _ = self._balance(values, shared)
         return np.asarray(excess / spread)

@@ -26,7 +26,7 @@ MAX_LENGTHS_A_SECOND = 100.0  # body lengths: no snake robot comes near
 MIN_LENGTHS_A_SECOND = 1e-6  # on dry ground states of slower gaits drown in rounding
 SPRINGS_RTOL = 1e-4  # accuracy of the answer by springs and dampers
 MAX_SPEED_MISS = 1e-2  # relative: a precise state that is farther off shows rough ones to be wrong
-MIN_LINKS = 3  # with two links a stroke of the one joint undoes the one before it
+MIN_LINKS = 3  # two links go nowhere: a stroke of the one joint undoes the one before it
 
 
 @dataclass(frozen=True, slots=True)
@@ -282,7 +282,7 @@ def _finished(search: Search, best: Point, gain: float, rtol: float) -> LeastPow
         exact = steady_gait(robot, ground, gait, rtol=exact_rtol)
     losses = speed_losses(robot, ground, gait)
     # The power of a state is known to ten times what its speed is.
-    shapes_rtol = 10 * search.accuracy[0]  # to which the search knows powers
+    shapes_rtol = 10 * search.accuracy[0]  # tolerance to which the search knows powers
     # Power rises at most with about the third power of speed.
     unknown = gain + shapes_rtol + 3 * miss
     return LeastPower(

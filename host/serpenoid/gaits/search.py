@@ -55,7 +55,7 @@ ON_LIMIT = 1e-6  # e-folds from a limit that count as on it
 
 # The rate of a shape.
 MAX_LOG_STEP = 0.5  # largest step of that method
-MIN_SLOPE, MAX_SLOPE = 0.1, 10.0  # of ln speed over ln rate: beyond, 1 is as good a guess
+MIN_SLOPE, MAX_SLOPE = 0.1, 10.0  # slope of ln speed over ln rate: beyond, 1 is as good a guess
 RATE_ROUNDING = 1e-12  # e-folds: two rates this near are one
 UNSOLVED = 1e3  # price of a shape without a periodic state
 

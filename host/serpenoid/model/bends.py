@@ -6,7 +6,7 @@ from itertools import pairwise
 
 from ..base.errors import BadInput
 
-FEWEST_LINKS = 4  # of a bend that balances itself
+FEWEST_LINKS = 4  # links of a bend that balances itself
 # Zigzag first: sessions of before there were others do not say.
 BENDS = ("zigzag", "balanced")
 

@@ -16,7 +16,7 @@ from typing import Any
 from ..base.errors import BadInput
 
 PLAYED_HZ = (24.0, 25.0, 30.0, 50.0, 60.0, 90.0, 120.0, 240.0, 480.0, 960.0)
-RATE_ERROR = 0.04  # of a rate, relative: 29.97 and 30.04 are 30
+RATE_ERROR = 0.04  # error of a rate, relative: 29.97 and 30.04 are 30
 # Below it nothing is played. Cameras drop pictures in dim light, and people mark each fourth one.
 SLOWEST_PLAYED_HZ, USUAL_HZ = 23.0, 30.0
 REAL_TIME = 1.5  # a rate up to so much above the one played: dropped pictures, not slow motion

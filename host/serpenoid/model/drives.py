@@ -38,13 +38,13 @@ UNCERTAIN = (
     "supply_sag",
     "supply_v",
 )
-_MOST_FRICTION = 0.15  # of the stalled torque; identified servos have 0.015 to 0.13
+_MOST_FRICTION = 0.15  # share of the stalled torque; servos have 0.015 to 0.13
 _MOST_LOSS = 2.0  # the motor's free speed over the servo's no-load speed
 _BEYOND_TYPICAL = 1.5  # a source may say more: both limits over the typical servo's value
 REMOVED = {  # a field of older files, and what to do where it is not 0
     "backlash_rad": "serpenoid no longer has play in gears; remove the line for a gear without play"
 }
-FRAME_S = 0.02  # of a board with up to seven joints
+FRAME_S = 0.02  # frame of a board with up to seven joints
 _HUNTS, _TRIES = 0.97, 100
 # Of a servo's fields; those of all others begin at 0.
 _LIMITS = {

@@ -18,7 +18,7 @@ from .ground import Ground
 from .link_state import LinkState
 from .robot import Robot
 
-PARTS = 2  # of a state: q and qdot
+PARTS = 2  # parts of a state: q and qdot
 # Of the fields of Acceleration, in the core.
 _CORE_NAMES = ("ax", "ay", "alpha", "fx", "fy", "joint_fx", "joint_fy", "joint_torque")
 

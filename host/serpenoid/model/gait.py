@@ -171,7 +171,7 @@ def joint_motion(gait: Gait, joints: int, t_s: ArrayLike = 0.0) -> JointMotion:
     lag = gait.beta_rad * np.arange(joints) + shift
     phase = np.asarray(rate * np.asarray(t_s))[..., None] + lag
     swing = gain * gait.alpha_rad * np.sin(phase)
-    with np.errstate(over="ignore"):  # of a rate beyond any robot's: an infinite acceleration
+    with np.errstate(over="ignore"):  # an infinite acceleration
         acceleration = -rate * (rate * swing)
     speed = rate * gain * gait.alpha_rad * np.cos(phase)
     return JointMotion(gait.offset_rad + swing, speed, acceleration)

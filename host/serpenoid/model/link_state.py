@@ -67,7 +67,7 @@ class LinkState:
         p, v = finite_vector("q", q, n + 2), finite_vector("qdot", qdot, n + 2)
         theta, omega = p[2:], v[2:]
         c, s = np.cos(theta), np.sin(theta)
-        arms = robot.link_length_m / 2 * np.stack([c, s, -s * omega, c * omega])  # to the joint
+        arms = robot.link_length_m / 2 * np.stack([c, s, -s * omega, c * omega])  # a joint's
         places = np.empty((4, n))
         places[:, 0] = p[0], p[1], v[0], v[1]
         places[:, 1:] = arms[:, :-1] + arms[:, 1:]

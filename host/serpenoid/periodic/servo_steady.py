@@ -28,11 +28,11 @@ from ..servos.speed_limit import (
 )
 from .steady import Steady, relative_error, steady_gait
 
-LEAST_AMPLITUDE = 0.2  # of the gait's: below it the typical servo is too weak for the robot
+LEAST_AMPLITUDE = 0.2  # share of the gait's: below it the typical servo is too weak for the robot
 _STEP_S, _LONG_STEP_S, _ROUGH_STEP_S, _LONG_PERIOD_S = 1e-3, 2e-3, 4e-3, 2.0
 _FINE_COUNT = 16  # draws, of which none is solved roughly
-_SLOW = 5e-3  # of body length times rate: a draw of a slower gait is known no better
-_MOST_OFF = 0.15  # of the draws' scatter: what a rough one may be off by, once put right
+_SLOW = 5e-3  # share of body length times rate: a draw of a slower gait is known no better
+_MOST_OFF = 0.15  # share of the draws' scatter: what a rough one may be off by, once put right
 
 
 def band(drawn: Array | Sequence[float]) -> tuple[float, float]:

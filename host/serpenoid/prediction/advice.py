@@ -118,18 +118,16 @@ def advise(
 ) -> Advice:
     """Rank the readings that could be taken next by what they save of the speed band a minute.
 
-    Of a session on a treadmill stations, on a floor pushes; a film of the gait where the session
-    has films or tags; a bench test where the servo was not measured. No station is named at a
-    voided one's place, beyond the plan's belt speed, or steeper than home treadmills or the
-    steepest one taken.
+    On a treadmill stations, on a floor pushes; a film where the session has films or tags; a bench
+    test where the servo was not measured. No station is named at a voided one's place, beyond the
+    plan's belt speed, or steeper than home treadmills or the steepest one taken.
 
     Parameters
     ----------
     session
         The readings so far.
     gaits
-        The gaits that matter: the planned ones unless given. Those that are too fast for the servo
-        have no band and do not count; the note names them.
+        The gaits that matter: the planned ones unless given; the note names those too fast.
     samples
         Number of frictions drawn from the fit.
     servo
@@ -145,14 +143,12 @@ def advise(
     Raises
     ------
     BadInput
-        No gait that the servo can follow, or readings that leave a parameter open: the message
-        names one that would close it.
+        No gait that the servo can follow, or a parameter left open, with what would close it.
 
     Examples
     --------
     >>> session = sn.load_session("calibration_data/nirakh-2005")
-    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=4.0)
-    >>> sn.advise(session, [gait], servo=None, samples=16).readings[0].kind
+    >>> sn.advise(session, [sn.Gait.degrees(70, 75, hertz=0.6)], servo=None).readings[0].kind
     'station'
     """
     check_kind("session", session, Session)

@@ -19,7 +19,7 @@ from ..periodic.steady import drawn_states, steady_gait
 from ..servos.speed_limit import is_too_fast
 
 Progress = Callable[[float], object]
-AMPLITUDE_SIGMA = 0.03  # of the joints' true over commanded amplitude, common to all gaits
+AMPLITUDE_SIGMA = 0.03  # true over commanded amplitude, common to all gaits
 SAMPLES = 64
 
 

@@ -25,9 +25,9 @@ from .bench_test import UNREPORTED, Array, BenchModel, BenchTest, Prior, Values
 POPULATION, MOVES = 96, 400  # samples that move together, at each rate of the loop
 SAMPLES, SERVO_COUNT = 384, 128  # that intervals are made of, and servos in a file
 DRAWN_STARTS, BEST_STARTS = 1024, 8  # servos drawn; least squares start from the best of them
-MIN_P_VALUE = 0.01  # below it the model does not describe the table
+MIN_P_VALUE = 0.01  # a p-value below which the model does not describe the table
 BLOCK_ROWS, MIN_BLOCKS = 8, 5  # rows whose mean residual is tested; blocks beyond the parameters
-MAX_SIGMA_RATIO = 0.6  # of the prior's sigma: a value that keeps more is open
+MAX_SIGMA_RATIO = 0.6  # share of the prior's sigma: a value that keeps more is open
 FAR_SIGMAS = 3.0  # standard deviations of the prior: values beyond are named
 
 

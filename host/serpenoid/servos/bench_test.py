@@ -24,8 +24,8 @@ GRAVITY_M_S2 = 9.81
 MIN_ROWS, MAX_TEST_S = 10, 20.0
 MAX_LOAD_KG, MAX_LOAD_M = 5.0, 1.0  # their torque, 49 N m, is ten times that of a large hobby servo
 MIN_GAIN, MAX_GAIN = 0.1, 1.7  # degrees of the angle for one of the setpoint, of a sound table
-MIN_SPAN_RAD = math.radians(4.0)  # of setpoints: less is within dead bands and teeth
-MAX_STEPS = 40  # with a delay of their own; a gait has more setpoints, which share one delay
+MIN_SPAN_RAD = math.radians(4.0)  # span of setpoints: less is within dead bands and teeth
+MAX_STEPS = 40  # steps with a delay of their own; a gait has more setpoints, which share one delay
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ class Prior(NamedTuple):
 TEST_PRIORS = {
     "zero_rad": Prior(0.0, math.radians(10.0)),  # teeth of a horn are 14 to 17 degrees apart
     "delay_s": Prior(0.01, 0.05),  # half a frame of 20 ms, and a log that runs late
-    "start_rad": Prior(0.0, math.radians(0.5)),  # from the rows before the first step
+    "start_rad": Prior(0.0, math.radians(0.5)),  # mean of the rows before the first step
 }
 # A load that nobody stated pulls with parts of the stalled torque at two angles; of one that was
 # stated, mass times distance and the angle at which it hangs down are uncertain.
@@ -245,7 +245,7 @@ class BenchModel:
             down_rad = load.down_rad + values["load_down_rad"]
         fields |= {
             "gain": gain,
-            "gravity_nm": moment_nm * np.sign(gain),  # of mirrored angles, too
+            "gravity_nm": moment_nm * np.sign(gain),  # sign of mirrored angles, too
             "gravity_angle_rad": zero - down_rad,
             "load_inertia_kg_m2": inertia,
             "start_rad": (self.start_rad + values["start_rad"] - zero) / gain,

@@ -55,7 +55,7 @@ def too_fast_text(gait: Gait, servo: Servo | ServoKind | None, gait_name: str = 
     apart = (d for d in range(2, 6) if f"{rate_rad_s:.{d}g}" != f"{limit_rad_s:.{d}g}")
     digits = next(apart, 6)
     highest = highest_hz(gait, servo)
-    unit_hz = 10.0 ** (math.floor(math.log10(highest)) - 1)  # of its second digit
+    unit_hz = 10.0 ** (math.floor(math.log10(highest)) - 1)  # unit of its second digit
     too_fast = f"{gait_name} is too fast" if gait_name else "Too fast"
     name = f"a typical {servo.name} servo" if isinstance(servo, ServoKind) else "the given servo"
     return (

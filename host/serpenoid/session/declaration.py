@@ -49,7 +49,7 @@ QUANTITIES: dict[str, tuple[Units, str]] = {
     "_v": ({"V": 1.0}, "5.2"),
     "": ({"": 1.0}, "6"),
 }
-PER_SI = {"percent": 100.0, "ms": 1e3, "mm": 1e3, "h": 3.6}  # of units that names end in
+PER_SI = {"percent": 100.0, "ms": 1e3, "mm": 1e3, "h": 3.6}  # factors of units that names end in
 
 
 def in_si(name: str, value: float) -> float:
@@ -191,7 +191,7 @@ class Declared:
     declared: ClassVar[dict[str, Field]] = {}
 
     def __init_subclass__(cls) -> None:
-        cls.declared = dict(cls.declared)  # of the class above
+        cls.declared = dict(cls.declared)  # fields of the class above
         for name, value in vars(cls).items():
             if "limits" in getattr(value, "metadata", {}):
                 limits, kind = value.metadata["limits"], cls.__annotations__[name]

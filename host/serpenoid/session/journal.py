@@ -42,7 +42,7 @@ from .session import Session
 from .settings import changes
 from .track import PLACES, Samples, Track, typed_track
 
-PROGRAM = f"serpenoid {version('serpenoid')}"  # as the files name it
+PROGRAM = f"serpenoid {version('serpenoid')}"  # its name in files
 Listed = tuple[str, Cells, str]  # kind, cells and comment
 
 

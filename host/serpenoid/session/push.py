@@ -21,8 +21,8 @@ from .settings import MAX_LAMBDA_DEG, MAX_PLACE_SIGMA_M
 from .track import TRACK, Floats, Track
 
 WAYS = ("there", "back")
-FEWEST_SAMPLES = 3  # of a track, so that it tells a speed and how it falls
-MAX_PUSH_M_S = 3.0  # at the start; robots of this size are pushed at 0.3 to 1.5 m/s
+FEWEST_SAMPLES = 3  # places of a track, so that it tells a speed and how it falls
+MAX_PUSH_M_S = 3.0  # speed at the start; robots of this size are pushed at 0.3 to 1.5 m/s
 MAX_PUSH_M = 10.0  # until it rests
 LIKELY_M_S: Range = (0.2, MAX_PUSH_M_S)
 LIKELY_M: Range = (0.1, MAX_PUSH_M)

@@ -57,10 +57,10 @@ READING_COLUMNS = (
     "more",
     "comment",
 )
-TRACK_WORDS = ("track", "track_sha256")  # of a kind with a track, in the column `more`
-DOUBTFUL = "doubtful"  # of a reading that is void from its first line on
-LISTED = "listed"  # of a reading that came from a list: a hash of the list up to it
-LINKS = "links"  # of the robot, as session.toml said when the reading was taken
+TRACK_WORDS = ("track", "track_sha256")  # words of a kind with a track, in the column `more`
+DOUBTFUL = "doubtful"  # word of a reading that is void from its first line on
+LISTED = "listed"  # word of a reading that came from a list: a hash of the list up to it
+LINKS = "links"  # links, as session.toml said when the reading was taken
 Row = Mapping[str, str]
 TORN = "#torn"
 EVENT_COLUMNS = ("time_utc", "event", "reading", "detail")

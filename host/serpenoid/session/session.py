@@ -20,7 +20,7 @@ from .push import Push
 from .settings import Setup
 from .station import Reading, ZeroReading, bent_share
 
-ANY_BELT = 0.07  # of a belt's true speed over the one shown, before a mark on it was timed
+ANY_BELT = 0.07  # sigma of a belt's true speed over the one shown, before a mark on it was timed
 NO_BELT = "The belt's speed was not checked"
 
 
@@ -179,7 +179,7 @@ class Session:
             return Zero(0.0, tools.incline_zero_sigma_rad)
         means = [mean(side) for side in sides]
         moved_rad = abs(means[-1] - means[0])
-        sigma_rad = tools.incline_sigma_rad / math.sqrt(2)  # of one zero, two readings halved
+        sigma_rad = tools.incline_sigma_rad / math.sqrt(2)  # sigma of one zero, two readings halved
         difference_rad = sigma_rad * math.sqrt(sum(1 / len(side) for side in sides))
         off_rad = math.hypot(sigma_rad / math.sqrt(len(zeros)), moved_rad / 2)
         return Zero(mean(means), off_rad, len(zeros), moved_rad / difference_rad)

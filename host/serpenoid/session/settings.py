@@ -29,14 +29,14 @@ from .declaration import (
 )
 
 FORMAT = 2
-ASSUMED_LINK_KG = 0.0756  # of the 2005 robot, where nobody has weighed this one yet
+ASSUMED_LINK_KG = 0.0756  # the 2005 robot's, where nobody has weighed this one
 NOT_WEIGHED = 0.05  # relative standard deviation of a mass that is an assumption
 LATER = ("mass_kg", "supply_v")  # settings that may stay empty until somebody has measured them
 # Beyond these a number is a slip of units, not a reading: the joints end before 60 degrees, the
 # snake tumbles before 45, and no treadmill runs faster than 10 m/s.
 MAX_LAMBDA_DEG, MAX_INCLINE_DEG, MAX_SPEED_M_S = 60.0, 45.0, 10.0
 MAX_ANGLE_SIGMA_DEG = math.degrees(0.2)  # beyond it no linear law of small angles holds
-MAX_PLACE_SIGMA_M = 0.05  # of a place; a tape is read to 1 to 5 mm, a film to 1 to 3 mm
+MAX_PLACE_SIGMA_M = 0.05  # sigma of a place; a tape is read to 1 to 5 mm, a film to 1 to 3 mm
 
 
 def text_field(note: str = "", words: str = "") -> Any:

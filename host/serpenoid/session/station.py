@@ -19,7 +19,7 @@ from .track import PLACES, TRACK, Track, typed_track
 # loose that would rest, so that dry friction across is less than that of wheels which slide.
 LEAST_SLIP_M_S = 0.12
 BELT_SCALES = (0.5, 2.0)  # true speed over the one shown: beyond them a unit is mistaken
-LIKELY_DEG = (-5.0, 5.0)  # of an inclinometer that is turned end for end
+LIKELY_DEG = (-5.0, 5.0)  # readings of an inclinometer that is turned end for end
 
 
 @dataclass(frozen=True)

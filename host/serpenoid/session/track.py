@@ -21,7 +21,7 @@ from ..base.files import csv_rows, read_text, write_text
 FOLDER = "tracks"
 TRACK = ("t_s", "x_m", "y_m")
 PLACES = "places"  # cell of a typed track
-STAR = "*"  # in the last column's name: any number of such columns
+STAR = "*"  # mark in the last column's name: any number of such columns
 Floats = NDArray[np.float64]
 Samples = Sequence[Sequence[float]] | Floats
 LEAST_S, MOST_S, FEWEST_PLACES = 1.0, 60.0, 3

@@ -21,13 +21,13 @@ from .simulate import simulate
 # Of the distance to the reported motion: what a settled motion may still change from run to run,
 # and what one may where the time is over.
 _REPEATS, _NEARLY_REPEATS = 1e-3, 0.02
-_LONGEST_S = 2.0  # of waiting
-_CYCLES = 10, 100, 6000  # of one run: fewest, most on dry ground, most on viscous ground
+_LONGEST_S = 2.0  # waiting
+_CYCLES = 10, 100, 6000  # cycles: fewest, most on dry ground, most on viscous ground
 # On viscous ground 43 of 3200 random robots had two stable motions, in bent gaits: with cn / ct up
 # to 0.33, and ct over mass and rate of the gait up to 0.02. These are two and three times that.
 _LOW_GRIP, _LOW_DAMPING = 0.6, 0.06
-_SPIN = 0.5  # of the gait's rate: turning rate of a start that may lead to the other motion
-_PUSH = 0.3  # of body length times rate: speed of such a start
+_SPIN = 0.5  # share of the gait's rate: turning rate of a start that may lead to the other motion
+_PUSH = 0.3  # share of body length times rate: speed of such a start
 
 
 def from_rest(state: Steady) -> FromRest | None:

@@ -195,7 +195,9 @@ class Run(Plottable):
     def last_speed_m_s(self) -> float:
         """Return the mean speed over the last period, m/s; NaN where the records do not say."""
         period, t = self.scene.gait.period_s, self.t_s
-        miss = np.abs(t - (t[-1] - period)).min()  # of the time one period before the end
+        miss = np.abs(
+            t - (t[-1] - period)
+        ).min()  # distance from the time one period before the end
         rare = t.size > 1 and miss > 1e-6 * period and np.diff(t).max() > period / 8
         speeds = [] if rare else self.mean_speed_m_s(period)
         return float(speeds[-1]) if len(speeds) else np.nan

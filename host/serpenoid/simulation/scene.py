@@ -36,7 +36,7 @@ from ..model.robot import Robot
 MAX_LINK_STEPS = 10**11
 MIN_TOLERANCE = 1e-13
 MAX_RECORDED_BYTES = 4_000_000_000
-MAX_FIRMWARE_JOINTS = 255  # of the gait in fixed point: a byte counts them
+MAX_FIRMWARE_JOINTS = 255  # joints of the gait in fixed point: a byte counts them
 _LIMITS = {
     "joint_stiffness_n_m": NOT_NEGATIVE,
     "joint_damping_n_s_m": NOT_NEGATIVE,

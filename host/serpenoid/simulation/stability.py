@@ -28,9 +28,9 @@ from ..model.robot import Robot
 from .scene import Scene, objection
 
 _PHASES, _MOST_LINKS = 8, 60
-_PAPER_SIZE = 3  # of the state of the paper's step: x, h v, and the h v before
+_PAPER_SIZE = 3  # size of the state of the paper's step: x, h v, and the h v before
 _SHORTEST_S, _LONGEST_S = 1e-60, 1e9  # between which the limit is searched for
-_ROUNDING = 1e-12  # of Jury's first two sums, which vanish with the step
+_ROUNDING = 1e-12  # error of Jury's first two sums, which vanish with the step
 
 
 def _shapes(robot: Robot, gait: Gait) -> Array:
@@ -57,8 +57,8 @@ def _compliance(robot: Robot, theta_rad: Array, imposed: bool) -> Array:
     """Return J M^-1 J^T, (2(n-1), 2(n-1)), joint by joint, x and y; imposed: links turn as one."""
     n, half = robot.links, robot.link_length_m / 2
     normal = half * np.stack([-np.sin(theta_rad), np.cos(theta_rad)], axis=1)
-    meets = np.eye(n - 1, n) + np.eye(n - 1, n, k=1)  # of joints and links
-    arm = np.einsum("il,ld->idl", meets, normal).reshape(-1, n)  # of each gap by each link's angle
+    meets = np.eye(n - 1, n) + np.eye(n - 1, n, k=1)  # incidence of joints and links
+    arm = np.einsum("il,ld->idl", meets, normal).reshape(-1, n)  # each gap by each link's angle
     if imposed:
         arm = arm.sum(axis=1, keepdims=True) / math.sqrt(n)
     apart = np.diff(np.eye(n), axis=0)
@@ -75,7 +75,7 @@ def _mobility(robot: Robot, gait: Gait) -> tuple[float, float]:
     n = robot.links
     if n > _MOST_LINKS:
         return 0.0, 4 / robot.inertia_kg_m2
-    arms = robot.link_length_m / 2 * (np.tri(n) + np.tri(n, k=-1))  # of centres by links' angles
+    arms = robot.link_length_m / 2 * (np.tri(n) + np.tri(n, k=-1))  # centres by links' angles
     arms -= arms.mean(axis=0)
     theta_rad = _shapes(robot, gait)
     along = np.cos(theta_rad[:, :, None] - theta_rad[:, None])
@@ -144,7 +144,7 @@ def _modes(scene: Scene) -> tuple[Array, Array, Array]:
         stiff.append(scene.joint_stiffness_n_m * mu)
         damped.append(scene.joint_damping_n_s_m * mu)
     if scene.servo is not None:
-        ends = 0.0, 4 / scene.robot.inertia_kg_m2  # of free links
+        ends = 0.0, 4 / scene.robot.inertia_kg_m2  # rates of free links
         if scene.formulation == "explicit":
             ends = _mobility(scene.robot, scene.gait)
         nu = np.linspace(*ends, 8)

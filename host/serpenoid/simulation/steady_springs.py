@@ -120,7 +120,7 @@ def _settled(scene: Scene, rtol: float) -> tuple[Run, float, float, int]:
         speeds = run.mean_speed_m_s(scene.gait.period_s)
         earlier, later = (float(np.ptp(part)) for part in np.split(speeds[-(count // 4 * 2) :], 2))
         shrunk = min(max(later / earlier, 0.1), 0.99) if earlier > 0 else 0.1
-        change = 2 * later / (1 - shrunk)  # as geometric series go, twice for those that beat
+        change = 2 * later / (1 - shrunk)  # sum as geometric series go, twice for those that beat
         if change <= rtol * max(float(speeds[-1]), floor_m_s):
             return run, change, 1 / (1 - shrunk ** (1 / (count // 4))), cycles
         scene, count = replace(scene, start=run.state()), min(2 * count, 256)

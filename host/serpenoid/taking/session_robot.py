@@ -29,7 +29,7 @@ class SessionRobot:
     def __init__(self, port: str | Link | None, joints: int | None = None):
         self._robot = RobotBoard(port, joints=joints, unattended_s=6 * 3600.0)
         self.powered = False
-        self.stopped = False  # by a key, and no prompt has seen it yet
+        self.stopped = False  # True once a key stopped it and no prompt has seen it yet
         self.offset_rad = 0.0  # on every joint, to steer
         self._posed: tuple[float, str] | None = None
         self._pose_deg_s = POSE_DEG_S  # the board's own

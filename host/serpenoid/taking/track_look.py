@@ -142,7 +142,7 @@ def _stop_of(track: Floats, speed: Floats, peak: int) -> tuple[int, int]:
     slow = np.flatnonzero(speed[peak:] < max(REST_SHARE * speed[peak], 0.01))
     if not len(slow):
         return len(t) - 1, len(t) - 1
-    # from the beginning of the first piece that is slow; a later one would hide a wall
+    # the rest begins with the first piece that is slow; a later one would hide a wall
     stop = int(np.searchsorted(t, t[peak + slow[0]] - PIECE_S / 2))
     moved_m = np.hypot(*(track[stop:, 1:] - track[stop, 1:]).T)
     touched_s = np.min(t[stop:][moved_m > TOUCHED_M], initial=np.inf)

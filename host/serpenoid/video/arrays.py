@@ -12,4 +12,4 @@ Single = NDArray[np.float32]  # what is kept of every frame; sums are made in do
 Complex = NDArray[np.complexfloating[Any, Any]]
 Grey = NDArray[np.uint8]  # a picture, (height, width)
 Mask = NDArray[np.bool_]
-Places = NDArray[np.int64]  # in another array
+Places = NDArray[np.int64]  # places in another array

@@ -36,7 +36,7 @@ def track(tmp_path_factory):
 def take(folder, path):
     """Take the file in as a step says it."""
     with Journal(folder) as journal:
-        way = "there" if not journal.session.kept_pushes else "back"  # as the plan goes on
+        way = "there" if not journal.session.kept_pushes else "back"  # the next one of the plan
         take_track(journal, path, "m", {"lambda_deg": 0.0, "way": way})
     return [
         (p.way, p.voided, p.comment, p.track.sha256)
@@ -46,8 +46,8 @@ def take(folder, path):
 
 def test_a_kill_at_any_byte_loses_nothing_and_counts_no_doubtful_push(tmp_path, track):
     folder = create_session(tmp_path / "s", floor_setup())
-    whole = take(folder, track)
-    assert [(way, void) for way, void, *_ in whole] == [
+    readings = take(folder, track)
+    assert [(way, void) for way, void, *_ in readings] == [
         ("back", True),
         ("there", False),
         ("back", False),
@@ -57,7 +57,7 @@ def test_a_kill_at_any_byte_loses_nothing_and_counts_no_doubtful_push(tmp_path, 
         killed = shutil.copytree(folder, tmp_path / str(cut))
         (killed / "readings.csv").write_bytes(text[:cut])
         found = take(killed, track)
-        assert [one for one in found if not one[1]] == [one for one in whole if not one[1]]
-        assert all(one in found for one in whole)
+        assert [one for one in found if not one[1]] == [one for one in readings if not one[1]]
+        assert all(one in found for one in readings)
     with refused("reading 2 is of this file already"):
         take(folder, track)

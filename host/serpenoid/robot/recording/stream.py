@@ -82,7 +82,7 @@ class _Reading:
         self._reports: list[tuple[float, str]] = []
         self._damaged = 0
         self._end: str | None = None
-        self._joints = 0  # of the greeting or the first frame, whichever comes first
+        self._joints = 0  # joints of the greeting or the first frame, whichever comes first
         self._clock = BoardClock()
         self._frames: list[tuple[float, int, Telemetry]] = []
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ...model.gait import Gait
 
 UNATTENDED_S = 2.0  # a watch that takes longer, as on a halted terminal, stops the robot
-MOST_MISSED = 0.1  # of the frames due: of a run that has lost more, little can be said
+MOST_MISSED = 0.1  # share of the frames due: of a run that has lost more, little can be said
 UNDERWAY_S = 0.3  # frames that a busy computer may not have taken in at the end
 
 

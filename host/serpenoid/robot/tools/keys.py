@@ -20,7 +20,7 @@ NAMES = {
 # A key is one character, or a code behind an escape: of an arrow, of Delete, of F1.
 KEY = re.compile(r"\x1b(\[[\d;]*[A-Za-z~]|O[A-Z])|.", re.DOTALL)
 UNFINISHED = re.compile(r"\x1b(\[[\d;]*|O)?$")
-REST_S = 0.05  # in which the rest of a key's code comes
+REST_S = 0.05  # time in which the rest of a key's code comes
 
 
 def need_terminal() -> None:

@@ -12,12 +12,12 @@ from ..._core import firmware
 from ...base.errors import ClockWrong
 
 FRAME_US = round(firmware.FRAME_S * 1e6)
-TOLERANCE_PPM = 5000.0  # of a Uno's ceramic resonator, before anything is measured
+TOLERANCE_PPM = 5000.0  # error of a Uno's ceramic resonator, before anything is measured
 MOST_SD_PPM = 200_000.0  # a host may be busy; arrivals more scattered follow no clock
-BUSY_S = 0.05  # by which even the least delay may change over a run
+BUSY_S = 0.05  # time by which even the least delay may change over a run
 MOST_BLOCKS = 64
 FEWEST_BLOCKS = 6
-STEP_US = 4.0  # of the board's micros()
+STEP_US = 4.0  # resolution of the board's micros()
 MOST_HOP_US = 60_000_000  # beyond what the frames tell: no board is so late
 
 

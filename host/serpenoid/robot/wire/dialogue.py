@@ -28,7 +28,7 @@ from .link import Link
 from .protocol import LONGEST_LINE, Data, Telemetry, Verdict, refused, seal
 
 RETRY_S = 0.1
-LEAST_S = 1e-6  # of patience: less is a rounding error
+LEAST_S = 1e-6  # patience, at least: less is a rounding error
 PATIENCE_S = 2.0
 PING_S = 0.4
 QUIET_S = 1.0  # without a frame, and the two next ones, telemetry has ended

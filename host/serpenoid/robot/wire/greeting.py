@@ -8,7 +8,7 @@ from .link import BAUD
 from .protocol import PROTOCOL
 
 FLASH = "`serpenoid flash --port {port}`"
-BOOT_S = 2.0  # in which a board that opening has reset greets of itself
+BOOT_S = 2.0  # time in which a board that opening has reset greets of itself
 
 
 def greet(talk: Dialogue, timeout_s: float) -> None:

@@ -88,7 +88,7 @@ def why_held(port: str, error: object) -> str:
 def why_forbidden(port: str) -> str:
     """Say which group may open the port and how to join it."""
     group = system.group_of(port) or "dialout"
-    if group in PRIVILEGED:  # to join these would give away the whole computer
+    if group in PRIVILEGED:  # joining these would give away the whole computer
         return (
             f"this user may not open {port}, which belongs to {group} alone: give the port to "
             'dialout with a udev rule (KERNEL=="ttyACM*", GROUP="dialout"), join that group '
@@ -102,7 +102,7 @@ def why_forbidden(port: str) -> str:
 
 def why_no_port() -> str:
     """Say why a board that is plugged in may have no port."""
-    if "1a86" in system.usb_vendors():  # of the CH340
+    if "1a86" in system.usb_vendors():  # vendor of the CH340
         return (
             "A CH340 is plugged in but has no port: its driver ch341 is missing, or brltty, the "
             "driver for Braille displays, takes boards with a CH340 for one of them: remove it "

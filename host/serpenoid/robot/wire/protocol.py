@@ -14,7 +14,7 @@ from .encoding import count_in
 PROTOCOL: int = firmware.PROTOCOL
 ERRORS = {word: tuple(row) for word, *row in firmware.ERRORS}  # number, what happened, what to do
 FEWEST_JOINTS, MOST_JOINTS = 2, 12
-LEAST_FRAME_US, MOST_FRAME_US = 3_000, 32_500  # from frame to frame
+LEAST_FRAME_US, MOST_FRAME_US = 3_000, 32_500  # time between frames
 LONGEST_LINE = 400  # bytes, from a board of twelve joints and some to spare
 STATES = ("idle", "pose", "gait", "hold", "safing", "safe")
 _COUNT = r"(\d{1,10})"

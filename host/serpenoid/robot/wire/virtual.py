@@ -9,7 +9,7 @@ import time
 from ...base.errors import BadInput
 from .protocol import FEWEST_JOINTS, MOST_JOINTS
 
-STEP_S = 0.002  # of the board's time, within which a fast board answers
+STEP_S = 0.002  # step of the board's time, within which a fast board answers
 LEAST_S = 40e-6  # a byte on the wire, the board's own step: less would not pass at all
 
 
