@@ -44,6 +44,7 @@ def with_a_plan(folder):
     return folder
 
 
+@pytest.mark.slow
 def test_one_gait_has_one_band_whoever_shows_it(tmp_path):
     session = with_a_plan(tmp_path / "session")
     of = f"--robot {session} {IDEAL}"

@@ -6,6 +6,7 @@ from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from serpenoid import fit_friction
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("bends_deg", "on_grades"), [((7.5, 30.0), True), ((30.0,), False)])
 def test_intervals_hold_the_truth(bends_deg, on_grades):
     truth = [getattr(WHOLE_BODY_2005, name) for name in ("ct", "cn", "ft0", "fn0")]

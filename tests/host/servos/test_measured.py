@@ -125,8 +125,11 @@ def test_the_command_writes_a_file_that_others_take(tmp_path: Path, table) -> No
     assert len(kind.drawn) == bench_fit.SERVO_COUNT
 
 
-def test_a_remark_goes_with_every_band(tmp_path: Path, table, monkeypatch) -> None:
-    """No file of a test that the model does not describe; with --anyway it says so everywhere.
+@pytest.mark.slow
+def test_a_table_beyond_the_model_gives_a_file_with_a_remark_or_none(
+    tmp_path: Path, table, monkeypatch
+) -> None:
+    """No file of a test that the model does not describe; with --anyway it says so.
 
     A few moves of the samples will do: their intervals are not looked at.
     """
@@ -145,14 +148,18 @@ def test_a_remark_goes_with_every_band(tmp_path: Path, table, monkeypatch) -> No
     test = answer(f"{typed} --anyway")
     assert test["describes"] is False
     assert test["p_value"] < 0.01
-    kind = sn.servo(out)
-    assert kind.remark == test["verdict"]
-    assert kind.at_volts(5.0).remark == kind.remark
+    assert sn.servo(out).remark == test["verdict"]
+
+
+def test_a_remark_goes_with_every_band(tmp_path: Path) -> None:
+    file, remark = tmp_path / "kind.toml", "The model does NOT describe its table."
+    sn.save_servo(replace(sn.servo("SG90"), remark=remark), file)
+    assert sn.servo(file).at_volts(5.0).remark == remark
     gait = "--alpha-deg 70 --beta-deg 75 --frequency-hz 0.25"
-    state = serpenoid(f"steady {gait} --servo {out} --json", check=True)
-    assert json.loads(state.stdout)["servo_remark"] == kind.remark
-    assert "does NOT describe" in " ".join(state.stderr.split())
-    assert "does NOT describe" in " ".join(serpenoid(f"steady {gait} --servo {out}").stdout.split())
+    state = serpenoid(f"steady {gait} --servo {file} --json", check=True)
+    assert json.loads(state.stdout)["servo_remark"] == remark
+    assert remark in " ".join(state.stderr.split())
+    assert remark in " ".join(serpenoid(f"steady {gait} --servo {file}").stdout.split())
 
 
 @pytest.mark.parametrize(
