@@ -21,7 +21,7 @@ import numpy as np
 
 from ..session.session import Session
 from .parameters import Floats
-from .rolling_law import shapes
+from .rolling_law import coefficients
 
 # A wheel's J / r^2 over its mass: 0.5 for a disc, 1 for a ring; with the spread of what is sold.
 WHEEL_SHAPE = (0.75, 0.15)
@@ -57,7 +57,7 @@ class Drift:
 
     def _own_column(self, c: Floats) -> Floats:
         """Return the column of f (K, J), orthogonal to those of x0 and v0."""
-        p, q = shapes(c[:, None] * self.t_s)
+        p, q = coefficients(c[:, None] * self.t_s)
         rolled = self.t_s * p
         braked = -(self.t_s**2) * q
         rolled = rolled - rolled.mean(axis=1, keepdims=True)

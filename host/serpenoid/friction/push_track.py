@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from .parameters import Floats
-from .rolling_law import integral, rest_point, way_m
+from .rolling_law import integral, rolled_m, stop_point
 
 MIN_SPEED_M_S = 1e-3
 MIN_DRY_M_S2 = 1e-6  # a push that would not come to rest then takes long, not for ever
@@ -76,7 +76,7 @@ class PushTrack:
         start, law = numbers[:, :-8], numbers[:, -8:]
         if self.source == "rest":
             dry = np.maximum(law[:, 1] - law[:, 2], MIN_DRY_M_S2)
-            stop_s, stop_m = rest_point(start[:, 0], law[:, 0], dry)
+            stop_s, stop_m = stop_point(start[:, 0], law[:, 0], dry)
             errors = (stop_m - self.along_m) / self.sigma_m, (stop_s - self.t_s) / self.sigma_s
             return np.stack(errors, axis=1)
         if self.slips:
@@ -92,10 +92,10 @@ class PushTrack:
         mean = headings.mean(axis=1, keepdims=True)
         level = f - pull @ mean
         # what a turning path feels of the slope but for that of its mean heading
-        moving = np.minimum(self.t_s, rest_point(speed, c, level)[0])
+        moving = np.minimum(self.t_s, stop_point(speed, c, level)[0])
         grown = np.exp(c * moving)
         faster = integral(grown * (pull @ (headings - mean)), moving) / grown
-        way = place + way_m(self.t_s, speed, c, level) + integral(faster, moving)
+        way = place + rolled_m(self.t_s, speed, c, level) + integral(faster, moving)
         return np.asarray((way - self.along_m) / self.place_sigma_m)
 
     def linear_about(self, law: Floats, nearby: LinearTrack | None = None) -> LinearTrack:

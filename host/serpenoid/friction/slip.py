@@ -20,7 +20,7 @@ import math
 import numpy as np
 
 from .parameters import Floats, Integers
-from .rolling_law import integral, rest_point, way_m
+from .rolling_law import integral, rolled_m, stop_point
 
 MOMENTS = 200  # equally spaced moments of the motion: its integrals are then right to 1e-5 m
 # Standard deviations of how hands let go: of the axis to the push, and of its turning. With less,
@@ -50,7 +50,7 @@ def slipped_places(t_s: Floats, chord_rad: float, start: Floats, law: Floats) ->
         return (first + integral(grown * push, t)) / grown
 
     level = f - pull(axis_rad)[0]
-    t = np.minimum(rest_point(speed, c, level)[0], t_s[-1]) * np.linspace(0.0, 1.0, MOMENTS)
+    t = np.minimum(stop_point(speed, c, level)[0], t_s[-1]) * np.linspace(0.0, 1.0, MOMENTS)
     turn = TURNING_RAD_S * turning * np.exp(-c_across * t)
     heading = axis_rad + integral(turn, t)
     v = slowed(speed, c, -level)
@@ -64,7 +64,7 @@ def slipped_places(t_s: Floats, chord_rad: float, start: Floats, law: Floats) ->
     v, w, heading = (_between(part, ended) for part in (v, w, heading))
     direction = heading + np.copysign(angle_rad, w)
     braked = f_end - pull(direction)[0]
-    rolled = way_m(np.maximum(t_s - end_s, 0.0), np.hypot(v, w), c_end, braked)
+    rolled = rolled_m(np.maximum(t_s - end_s, 0.0), np.hypot(v, w), c_end, braked)
     x, y = _between(x, moment), _between(y, moment)
     return np.stack([x + np.cos(direction) * rolled, y + np.sin(direction) * rolled], axis=1)
 

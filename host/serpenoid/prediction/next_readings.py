@@ -15,7 +15,7 @@ from ..friction.posterior import MapEstimate
 from ..friction.rounding import nearest_shown
 from ..session.push import WAYS, Push
 from ..session.session import Session
-from ..session.station import LEAST_SLIP_M_S, Reading, bent_share
+from ..session.station import MIN_SLIP_M_S, Reading, bent_share
 
 # Minutes that a person takes: `docs/afternoon.md` and `docs/floor.md` plan with as many.
 STATION_MIN, PUSH_MIN, BEND_MIN = 4.0, 0.7, 3.0
@@ -80,7 +80,7 @@ def _stations(session: Session, estimate: MapEstimate) -> Candidates:
         ]
         for incline in dict.fromkeys(shown):
             slip = (setup.weight_n * math.sin(incline - zero_rad) - dry_n) / max(drag, 1e-12)
-            holds = LEAST_SLIP_M_S < slip <= setup.plan.belt_speed_max_m_s
+            holds = MIN_SLIP_M_S < slip <= setup.plan.belt_speed_max_m_s
             if not holds or not 0.0 < incline <= steepest_rad or _failed(session, angle, incline):
                 continue
             degrees = math.degrees(angle)

@@ -74,7 +74,7 @@ class GaitRun(Crawl):
         return {"speed_m_s": speed, "speed_sigma_m_s": sigma} | cells
 
     def in_words(self) -> tuple[str, str]:
-        """Return what it is, and its values."""
+        """Return (title, values) for tables."""
         return f"gait {gait_name(self.commanded)}", (
             f"{self.speed_m_s:.4f} ± {self.speed_sigma_m_s:.4f} m/s"
         )

@@ -123,7 +123,7 @@ class Push(Observation):
         return self.track.values[(low <= t) & (t <= high)].T
 
     def in_words(self) -> tuple[str, str]:
-        """Return what it is, and its values."""
+        """Return (title, values) for tables."""
         angle = math.degrees(self.lambda_rad)
         bend = f", bend {angle:.4g}°" if angle else ", straight"
         where = f" at {self.place}" if self.place else ""

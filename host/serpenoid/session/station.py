@@ -1,6 +1,6 @@
-"""What is read at a treadmill: stations held, and checks of what they are read with.
+"""Readings taken at a treadmill: stations, and checks of the instruments that they are read with.
 
-The kinds `station`, `zero`, `bend` and `belt`.
+Their kinds in readings.csv are `station`, `zero`, `bend` and `belt`.
 """
 
 from __future__ import annotations
@@ -15,25 +15,31 @@ from .declaration import Observation, number_field, word_field
 from .settings import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, MAX_SPEED_M_S, Instruments
 from .track import PLACES, TRACK, Track, typed_track
 
-# Slower than this a robot that is steered goes by jerks: every touch of the steering shakes wheels
-# loose that would rest, so that dry friction across is less than that of wheels which slide.
-LEAST_SLIP_M_S = 0.12
-BELT_SCALES = (0.5, 2.0)  # true speed over the one shown: beyond them a unit is mistaken
-LIKELY_DEG = (-5.0, 5.0)  # readings of an inclinometer that is turned end for end
+# Belt speed below which stations are biased: each correction of the steering shakes loose wheels
+# that would stick, so that dry friction across comes out smaller than that of sliding wheels.
+MIN_SLIP_M_S = 0.12
+BELT_SCALES = (0.5, 2.0)  # Limits of true over shown speed; outside them a unit was mistaken.
+LIKELY_ZERO_DEG = (-5.0, 5.0)  # Expected inclines where the inclinometer's zero is checked.
 
 
 @dataclass(frozen=True)
 class Reading(Observation):
     """One station held: the belt speed at which the snake neither climbs nor slides.
 
-    lambda_rad: angle of a bent link to the direction of the
-    belt; 0 when straight. bend: "zigzag", all links bent, alternately left and right (Eq. 60), or
-    "balanced" (`model.bends`), where the robot stays on course unguided. incline_rad: gamma as the
-    inclinometer shows it. belt_speed_m_s: uphill, so that the snake, facing downhill, rolls
-    forwards. drift_m_s: what was left of the snake's own motion, positive when carried along with
-    the belt. turned_rad: heading when it was read. offset_rad: steering on every joint;
-    each None where nobody told. track: of a short reading, where the robot was, x uphill, while it
-    still drifted; the drift is then the mean. Raises BadInput.
+    lambda_rad: angle of a bent link to the direction of the belt; 0 when straight.
+    bend: "zigzag", all links bent, alternately left and right (Eq. 60), or "balanced"
+    (`model.bends`), in which the robot stays on course unguided.
+    incline_rad: the incline gamma as the inclinometer shows it.
+    belt_speed_m_s: speed of the belt, which runs uphill under a snake that faces downhill, so that
+    its wheels roll forwards.
+    drift_m_s: remaining velocity of the snake over the ground, positive when the belt carries it
+    along.
+    turned_rad: heading of the snake off the belt's direction; None if it was not recorded.
+    offset_rad: steering angle added to every joint; None if it was not recorded.
+    track: positions of the robot during a short reading, x uphill, while it still drifted;
+    drift_m_s is then its mean velocity.
+
+    Raises BadInput if the belt does not slip past the snake.
     """
 
     kind = "station"
@@ -77,19 +83,19 @@ class Reading(Observation):
 
     @property
     def slip_speed_m_s(self) -> float:
-        """Return the speed of the belt past the snake, v_rel = v_belt - v_drift."""
+        """Return the speed of the belt past the snake, m/s: v_rel = v_belt - v_drift."""
         return self.belt_speed_m_s - self.drift_m_s
 
     @classmethod
     def derived(cls, cells: dict[str, Any], watch: Instruments) -> dict[str, Any]:
-        """Put in the mean drift of a short reading."""
+        """Return the cells with the mean drift, m/s, of a short reading."""
         if PLACES not in cells:
             return cells
-        duration_s, way_m, _ = typed_track(str(cells[PLACES]))[-1]
-        return cells | {"drift_m_s": float(way_m / duration_s)}
+        duration_s, distance_m, _ = typed_track(str(cells[PLACES]))[-1]
+        return cells | {"drift_m_s": float(distance_m / duration_s)}
 
     def in_words(self) -> tuple[str, str]:
-        """Return what it is, and its values."""
+        """Return (title, values) for tables."""
         values = (
             f"{math.degrees(self.incline_rad):.2f}°, belt {self.belt_speed_m_s:.3f}, "
             f"drift {self.drift_m_s + 0.0:+.3f} m/s"
@@ -103,31 +109,33 @@ class Reading(Observation):
 class ZeroReading(Observation):
     """The inclinometer read twice on one spot, the second time turned end for end.
 
-    What stays of the sum is twice its zero. at_start: taken before the first station.
+    The two inclines cancel in the sum, which leaves twice the zero error.
+    incline_rad, reversed_rad: the angles shown first, and after the turn.
+    at_start: whether it was read before the first station.
     """
 
     kind = "zero"
     fitted = True
 
     incline_rad: float = number_field(
-        -MAX_INCLINE_DEG, MAX_INCLINE_DEG, words="it shows", likely=LIKELY_DEG
+        -MAX_INCLINE_DEG, MAX_INCLINE_DEG, words="it shows", likely=LIKELY_ZERO_DEG
     )
     reversed_rad: float = number_field(
         -MAX_INCLINE_DEG,
         MAX_INCLINE_DEG,
         words="turned, it shows",
-        likely=LIKELY_DEG,
+        likely=LIKELY_ZERO_DEG,
         why="the zero would be beyond 0.5 deg: was a sign forgotten?",
     )
     at_start: bool = True
 
     @property
     def zero_rad(self) -> float:
-        """Return what the inclinometer shows where it is level."""
+        """Return the angle that the inclinometer shows on level ground, rad."""
         return (self.incline_rad + self.reversed_rad) / 2
 
     def in_words(self) -> tuple[str, str]:
-        """Return what it is, and its values."""
+        """Return (title, values) for tables."""
         shown, turned = math.degrees(self.incline_rad), math.degrees(self.reversed_rad)
         values = f"{shown:+.2f}°, turned {turned:+.2f}°: zero {math.degrees(self.zero_rad):+.3f}°"
         return f"inclinometer, {'before' if self.at_start else 'after'}", values
@@ -137,7 +145,8 @@ class ZeroReading(Observation):
 class BendCheck(Observation):
     """The protractor held between the last two links at an end of a bent robot.
 
-    There a joint stands at 2 lambda in either bend, zigzag or balanced.
+    The joint between them is at 2 lambda in either bend, zigzag or balanced.
+    lambda_rad: the planned bend. between_links_rad: the angle shown, pi - 2 lambda.
     """
 
     kind = "bend"
@@ -148,11 +157,11 @@ class BendCheck(Observation):
 
     @property
     def found_rad(self) -> float:
-        """Return the lambda that the protractor shows: links stand at pi - 2 lambda."""
+        """Return lambda from the protractor's angle, rad."""
         return (math.pi - self.between_links_rad) / 2
 
     def in_words(self) -> tuple[str, str]:
-        """Return what it is, and its values."""
+        """Return (title, values) for tables."""
         between_deg, lambda_deg = map(math.degrees, (self.between_links_rad, self.found_rad))
         values = f"{between_deg:.4g}° between links: λ = {lambda_deg:.4g}°"
         return f"protractor, bend {math.degrees(self.lambda_rad):.4g}°", values
@@ -160,7 +169,11 @@ class BendCheck(Observation):
 
 @dataclass(frozen=True)
 class BeltCheck(Observation):
-    """A mark on the belt, timed over a way: the true speed over the one that was shown."""
+    """A mark on the belt, timed over a distance: it gives the belt's true speed.
+
+    belt_speed_m_s: the speed that the treadmill shows. distance_m: distance that the mark travelled
+    in duration_s. Raises BadInput if the true speed is too far from the one shown.
+    """
 
     kind = "belt"
     fitted = True
@@ -174,7 +187,7 @@ class BeltCheck(Observation):
     distance_m: float = number_field(
         0.0,
         1000.0,
-        words="way of the mark in all (turns of the belt times its length)",
+        words="distance that the mark travelled (turns of the belt times its length)",
         open_low=True,
     )
     duration_s: float = number_field(
@@ -191,16 +204,16 @@ class BeltCheck(Observation):
 
     @property
     def scale(self) -> float:
-        """Return the true speed of the belt over the one shown."""
+        """Return the ratio of the belt's true speed to the one shown."""
         return self.distance_m / self.duration_s / self.belt_speed_m_s
 
     def scale_sigma(self, watch: Instruments) -> float:
-        """Return the standard deviation of the scale that tape and stopwatch leave."""
+        """Return the standard deviation of the scale from the errors of tape and stopwatch."""
         speed_m_s, sigma_m_s = watch.speed(self.distance_m, self.duration_s)
         return self.scale * sigma_m_s / speed_m_s
 
     def in_words(self) -> tuple[str, str]:
-        """Return what it is, and its values."""
+        """Return (title, values) for tables."""
         return "belt check", (
             f"{self.distance_m:.4g} m in {self.duration_s:.4g} s at {self.belt_speed_m_s:.4g} m/s "
             f"shown: true speed {self.scale:.4g} times the one shown"
@@ -208,15 +221,18 @@ class BeltCheck(Observation):
 
 
 def bent_share(bend: str, links: int) -> float:
-    """Return which share of a robot's links is bent; raises BadInput where none can be."""
+    """Return the share of a robot's links that are bent, 0 to 1.
+
+    Raises BadInput if so few links have no balanced bend.
+    """
     if bend == "zigzag":
         return 1.0
     return sum(map(abs, balanced_signs(links))) / links
 
 
 def slips(bend: str, angle: float, links: int) -> bool:
-    """Tell whether a bent robot has no straight link, and no guide, that holds it on its path.
+    """Return whether a bent robot may slide sideways: no straight link and no guide prevents it.
 
-    angle: of the bend, in any unit; 0: it is straight.
+    angle: lambda of the bend, in any unit; 0 if the robot is straight.
     """
     return bend == "balanced" and angle > 0.0 and bent_share(bend, links) == 1.0

@@ -25,7 +25,7 @@ from ..session.gait_run import GaitRun
 from ..session.push import WAYS, Push
 from ..session.session import Session, belt_checks
 from ..session.settings import Setup
-from ..session.station import LEAST_SLIP_M_S, BeltCheck, Reading, ZeroReading
+from ..session.station import MIN_SLIP_M_S, BeltCheck, Reading, ZeroReading
 from ..session.track import EXAMPLE
 from .steps import (
     Doubts,
@@ -48,7 +48,7 @@ BELT = (
     "and time ten turns or more. The way is turns times the belt's length."
 )
 STATION = (  # words after those of the first station in a bend
-    f" Steeper, if the belt carries it off, or below {LEAST_SLIP_M_S:g} m/s. Then let it settle, "
+    f" Steeper, if the belt carries it off, or below {MIN_SLIP_M_S:g} m/s. Then let it settle, "
     "and type the drift, + uphill (m/s), and by how much it turned, + to the left, as 0.01 3deg; "
     f"or of a robot that drifts its places for some 4 s as s:m, {EXAMPLE}, or their table."
 )
@@ -207,7 +207,7 @@ def expected_speed(session: Session, bend_deg: float, incline_deg: float) -> Ran
         return None
     speed_m_s = line[0] * math.sin(math.radians(incline_deg)) + line[1]
     far_m_s = FAR_M_S + FAR_SHARE * abs(speed_m_s)
-    return max(speed_m_s - far_m_s, LEAST_SLIP_M_S), speed_m_s + far_m_s
+    return max(speed_m_s - far_m_s, MIN_SLIP_M_S), speed_m_s + far_m_s
 
 
 def doubts(session: Session, step: Step, cells: Cells) -> Doubts:
@@ -218,7 +218,7 @@ def doubts(session: Session, step: Step, cells: Cells) -> Doubts:
     likely = {field.column: field.likely for field in step.fields}
     if step.kind == "station":
         incline_deg = float(cells.get("incline_deg", step.incline_deg))
-        anything = LEAST_SLIP_M_S, session.setup.plan.belt_speed_max_m_s
+        anything = MIN_SLIP_M_S, session.setup.plan.belt_speed_max_m_s
         low, high = expected_speed(session, step.lambda_deg, incline_deg) or anything
         drift_m_s = float(cells.get("drift_m_s", 0.0))
         likely["belt_speed_m_s"] = low + drift_m_s, high + drift_m_s

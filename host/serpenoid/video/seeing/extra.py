@@ -1,4 +1,4 @@
-"""The packages that films need beside the package's own: the extra [video]."""
+"""Check that the packages of the extra [video], which films need, are installed."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from importlib.util import find_spec
 
 from ...base.errors import BadInput
 
-NEEDED = {"av": "av", "cv2": "opencv-python-headless"}
+PACKAGES = {"av": "av", "cv2": "opencv-python-headless"}  # Modules and their names on PyPI.
 
 
 def need_extra() -> None:
-    """Raise BadInput where a package of the extra is missing."""
-    missing = [package for name, package in NEEDED.items() if find_spec(name) is None]
+    """Raise BadInput, with the command that installs them, if packages are missing."""
+    missing = [package for module, package in PACKAGES.items() if find_spec(module) is None]
     if missing:
         raise BadInput(
             f"films and tags need {' and '.join(missing)}, not installed here: "
