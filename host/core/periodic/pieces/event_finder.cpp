@@ -1,4 +1,4 @@
-// Margins and their roots of event_finder.hpp.
+// Margins of the wheels and their roots, for event_finder.hpp.
 #include "periodic/pieces/event_finder.hpp"
 
 #include <algorithm>
@@ -14,10 +14,9 @@ constexpr int kStages = SlidingPiece::kStages;
 using Rule = SlidingPiece::Rule;
 using Polynomial = StagePolynomial<kStages>;
 
-// Margins that end a mode: at a stage, and between stages, where the polynomial is less accurate.
-// What lies between these and the aim is rounding.
-constexpr double kBeyond = -2;
-constexpr double kFarBeyond = -40;
+// Margins below which a mode has ended. Values between these and -1 may be rounding.
+constexpr double kMarginAtStage = -2;
+constexpr double kMarginBetweenStages = -40;  // lower: the polynomial is less accurate there
 
 }  // namespace
 
@@ -25,25 +24,25 @@ void EventFinder::set_margins(const SlidingMode& mode) {
     piece_.speeds(margin_.data());
     for (int wheel = 0; wheel < wheels_; ++wheel) {
         const double unit = mode.sign[wheel] / speed_eps_;
-        for (double& m : margin_[wheel].value) m *= unit;
+        for (double& margin : margin_[wheel].value) margin *= unit;
     }
     for (int a = 0; a < mode.count; ++a) {
         const int wheel = mode.stuck[a];
-        const double unit = piece_.breakaway_ratio(wheel) / force_eps_,
-                     bound = piece_.law(wheel).bound();
-        const double side = std::copysign(1 / bound, piece_.stage_force(kStages - 1, a));
+        const double unit = piece_.breakaway_ratio(wheel) / force_eps_;
+        const double inverse_bound =
+            std::copysign(1 / piece_.law(wheel).bound(), piece_.stage_force(kStages - 1, a));
         for (int j = 0; j <= kStages; ++j) {
-            const double f = j == 0 ? piece_.stuck_force(a, 0) : piece_.stage_force(j - 1, a);
-            margin_[wheel].value[j] = unit * (1 - side * f);
+            const double force = j == 0 ? piece_.stuck_force(a, 0) : piece_.stage_force(j - 1, a);
+            margin_[wheel].value[j] = unit * (1 - inverse_bound * force);
         }
     }
 }
 
-// The first end of a wheel's mode before `limit`: between the first pair of points of which the
-// second is beyond it, or in a dip between them. A fraction of the piece, or `limit`.
+// The fraction of the piece at which a wheel's mode ends first, or `limit` if it lasts until then.
+// The end lies before the first stage whose margin is too low, or in a dip between two stages.
 double EventFinder::end_of_wheel(const double* m, double limit) const {
-    constexpr double kRootError = 0.1;      // of a margin
-    constexpr double kShortest = 1.0 / 64;  // of a piece: a dip's width
+    constexpr double kRootError = 0.1;         // error of the margin at the root
+    constexpr double kMinDipWidth = 1.0 / 64;  // width of a dip, as a fraction of a piece
     const auto& c = Rule::get().c;
     const Polynomial p(m);
     const auto crossing = [&](double start, double margin, double end, double end_margin) {
@@ -51,37 +50,41 @@ double EventFinder::end_of_wheel(const double* m, double limit) const {
         return bracketed_root([&](double x) { return p(x) + 1; }, start, margin + 1, end,
                               end_margin + 1, kRootError);
     };
-    double first = limit, z = 0;
-    for (int j = 0; j < kStages && z < first; z = c[j++])
-        if (m[j + 1] < kBeyond) first = std::min(first, crossing(z, m[j], c[j], m[j + 1]));
+    double first = limit, start = 0;
+    for (int j = 0; j < kStages && start < first; ++j) {
+        if (m[j + 1] < kMarginAtStage)
+            first = std::min(first, crossing(start, m[j], c[j], m[j + 1]));
+        start = c[j];
+    }
     Stretch<kStages> stretch{0, 1, p.bernstein()}, dip;
     if (first < 1) stretch = stretch.cut(first);
-    if (stretch.first_below(kFarBeyond, kShortest, dip))
+    if (stretch.first_below(kMarginBetweenStages, kMinDipWidth, dip))
         first = std::min(first, crossing(dip.start, dip.b[0], dip.end, dip.b[kStages]));
     return first;
 }
 
-// The first end of rest: at the bound on the side of the piece's end, or at the other one, which is
-// looked for only where the force changes its sign.
+// The fraction of the piece at which a wheel's rest ends first: at the bound from which its margin
+// is taken, or at the opposite one, which is examined only if the force changes its sign.
 double EventFinder::end_of_rest(int wheel, double limit) const {
     const double* m = margin_[wheel].value;
     const double between_bounds = 2 * piece_.breakaway_ratio(wheel) / force_eps_;
-    const double end = lowest_[wheel] < kBeyond ? end_of_wheel(m, limit) : limit;
+    const double end = lower_bound_[wheel] < kMarginAtStage ? end_of_wheel(m, limit) : limit;
     if (*std::max_element(m, m + kStages + 1) <= between_bounds / 2) return end;
     Lanes mirrored{};
     for (int j = 0; j <= kStages; ++j) mirrored.value[j] = between_bounds - m[j];
     return end_of_wheel(mirrored.value, end);
 }
 
-// Where a sliding wheel really stops: over a long piece its speed is no polynomial.
-double EventFinder::sharpen(int wheel, double sign, double x) {
-    constexpr double kCloseMargin = 0.5;  // from the one that is aimed at
-    constexpr double kMaxMove = 0.01;     // of a piece: beyond it the slope is not that of the root
+// The fraction of the piece at which the speed of a sliding wheel has the margin -1, starting from
+// x, the root of the polynomial: over a long piece the polynomial through the stages is inaccurate.
+double EventFinder::refine_stop(int wheel, double sign, double x) {
+    constexpr double kMarginError = 0.5;  // accepted distance from the margin -1
+    constexpr double kMaxMove = 0.01;     // fraction of a piece; farther off the slope differs
     const Polynomial p(margin_[wheel].value);
     for (int i = 0; i < 3; ++i) {
-        const double miss = sign * piece_.speed(wheel, x) / speed_eps_ + 1;
-        const double move = -miss / p.slope(x);
-        if (std::fabs(miss) < kCloseMargin || !(std::fabs(move) < kMaxMove)) break;
+        const double error = sign * piece_.speed(wheel, x) / speed_eps_ + 1;
+        const double move = -error / p.slope(x);
+        if (std::fabs(error) < kMarginError || !(std::fabs(move) < kMaxMove)) break;
         x = std::clamp(x + move, 0.0, 1.0);
     }
     return x;
@@ -89,19 +92,19 @@ double EventFinder::sharpen(int wheel, double sign, double x) {
 
 ModeEvent EventFinder::first_event(const SlidingMode& mode, double h) {
     set_margins(mode);
-    piece_.lowest(margin_.data(), lowest_.data());
+    piece_.lower_bounds(margin_.data(), lower_bound_.data());
     ModeEvent event;
     for (int wheel = 0; wheel < wheels_; ++wheel) {
         if (!piece_.law(wheel).has_modes()) continue;
         const bool rests = mode.sign[wheel] == 0;
-        if (!rests && lowest_[wheel] >= kBeyond) continue;
+        if (!rests && lower_bound_[wheel] >= kMarginAtStage) continue;
         const double end = rests ? end_of_rest(wheel, event.fraction)
                                  : end_of_wheel(margin_[wheel].value, event.fraction);
         if (end < event.fraction) event = {end, wheel, mode.sign[wheel] != 0};
     }
     if (!event.sliding) return event;
     if (event.fraction > 0)
-        event.fraction = sharpen(event.wheel, mode.sign[event.wheel], event.fraction);
+        event.fraction = refine_stop(event.wheel, mode.sign[event.wheel], event.fraction);
     event.slope = Polynomial(margin_[event.wheel].value).slope(event.fraction) * speed_eps_ / h;
     return event;
 }

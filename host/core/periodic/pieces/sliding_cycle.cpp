@@ -174,7 +174,8 @@ bool SlidingCycle::change_mode(const ModeEvent& event) {
     if (saltation_.waits) {
         const WheelDirection g = piece_.row(event.wheel, 0);
         const double sign = last_mode_.sign[event.wheel];
-        saltation_.gradient = {sign * g.x / nm_, sign * g.y / nm_, sign * g.r * piece_.node(0).iJ};
+        saltation_.gradient = {sign * g.x / nm_, sign * g.y / nm_,
+                               sign * g.r * piece_.node(0).inverse_J};
     }
     if (event.wheel >= 0) note_changes();
     return true;
@@ -250,7 +251,7 @@ void SlidingCycle::accumulate(double h, double x) {
     const CycleState start = state_;
     std::array<Mat3, s + 1> u_by;  // u at the start and the stages by the first p
     for (int j = 0; j <= s; ++j) {
-        const double unit[3] = {1 / nm_, 1 / nm_, piece_.node(j).iJ};
+        const double unit[3] = {1 / nm_, 1 / nm_, piece_.node(j).inverse_J};
         u_by[j] = rows_by(j > 0 ? piece_.stage_tangent(j - 1) : identity3(), start);
         for (int i = 0; i < 9; ++i) u_by[j][i] *= unit[i / 3];
     }

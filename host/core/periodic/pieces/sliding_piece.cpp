@@ -1,4 +1,4 @@
-// Newton's method on the stages of sliding_piece.hpp, and what its polynomial tells.
+// Newton's method on the stages of sliding_piece.hpp; states, forces and errors of its polynomial.
 #include "periodic/pieces/sliding_piece.hpp"
 
 #include <algorithm>
@@ -8,11 +8,12 @@ namespace serpenoid {
 
 namespace {
 
-constexpr double kBend = 10;        // times the curvature that Newton's last two steps show
-constexpr double kBetween = 0.73;   // fraction of a piece that is farthest from its stages
-constexpr double kQuadratic = 0.1;  // of the scales: below it Newton's steps shrink as squares
-constexpr double kDiverged = 1e12;  // of the scales
-constexpr int kMaxIterations = 12;  // mostly two or three: the equations are almost linear
+// Newton's steps are fractions of the scales.
+constexpr double kCurvatureSafety = 10;  // factor on the curvature that the last two steps show
+constexpr double kQuadraticStep = 0.1;   // step below which each step is the last one squared
+constexpr double kDivergedStep = 1e12;   // step that counts as divergence
+constexpr int kMaxIterations = 12;       // limit; mostly two or three do: almost linear equations
+constexpr double kBetweenStages = 0.73;  // fraction of a piece farthest from its stages
 
 double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -20,19 +21,20 @@ Vec3 cross(const Vec3& a, const Vec3& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-// Solve S x = x, S the Gram matrix of up to three rows with these weights; zero where it has none.
-void solve_gram(const Vec3* g, int count, const Vec3& weight, Vec3& x) {
+// Solve G x = b for the Gram matrix G of up to three weighted rows; x holds b, then the solution,
+// or zero if G is singular.
+void solve_gram(const Vec3* rows, int count, const Vec3& weight, Vec3& x) {
     if (count == 0) return;
-    Mat3 S = identity3();
+    Mat3 G = identity3();
     for (int a = 0; a < count; ++a)
         for (int b = 0; b < count; ++b) {
-            S[3 * a + b] = 0;
-            for (int i = 0; i < 3; ++i) S[3 * a + b] += g[a][i] * g[b][i] * weight[i];
+            double& sum = G[3 * a + b] = 0;
+            for (int i = 0; i < 3; ++i) sum += rows[a][i] * rows[b][i] * weight[i];
         }
-    if (!solve_dense<3, 1>(S.data(), x.data())) x = {};
+    if (!solve_dense<3, 1>(G.data(), x.data())) x = {};
 }
 
-// x of least |Q + sum_a x_a g_a| for up to three rows g.
+// Coefficients x that minimise |Q + sum_a x_a g_a|, for up to three rows g.
 Vec3 least_squares(const Vec3* g, int count, const Vec3& Q) {
     Vec3 x{};
     for (int a = 0; a < count; ++a) x[a] = -dot(g[a], Q);
@@ -56,26 +58,26 @@ SlidingPiece::SlidingPiece(const Robot& robot, const Ground& ground, const Gait&
       dry_(2 * robot.n),
       force_(2 * robot.n) {}
 
-void SlidingPiece::shape(int lanes, const Lanes& tau) {
+void SlidingPiece::set_shapes(int lanes, const Lanes& tau) {
     stages_.set(lanes, tau);
     for (int j = 0; j < lanes; ++j) {
         node_[j].J = stages_.J(j);
         node_[j].K = stages_.K(j);
-        node_[j].iJ = 1 / node_[j].J;
+        node_[j].inverse_J = 1 / node_[j].J;
     }
 }
 
-void SlidingPiece::sum(int lanes, const std::vector<double>& direction) {
+void SlidingPiece::sum_wheels(int lanes, const std::vector<double>& direction) {
     for (int c = 0; c < 2 * robot_.n; ++c) viscous_[c] = law(c).viscous(direction[c]);
     for (int j = 0; j < lanes; j += kPack)
         stages_.sums(j / kPack, viscous_.data(), dry_.data(), {&node_[j], &node_[j + 1]});
 }
 
-void SlidingPiece::set_nodes(double tau0, double tau1) { shape(2, {{tau0, tau1}}); }
+void SlidingPiece::set_nodes(double tau0, double tau1) { set_shapes(2, {{tau0, tau1}}); }
 
 void SlidingPiece::sum_nodes(const std::vector<double>& direction) {
     for (int c = 0; c < 2 * robot_.n; ++c) dry_[c] = -law(c).thrust();
-    sum(2, direction);
+    sum_wheels(2, direction);
 }
 
 Vec3 SlidingPiece::direction(int wheel, int j) const {
@@ -84,22 +86,29 @@ Vec3 SlidingPiece::direction(int wheel, int j) const {
 }
 
 // dp/dtau without the stuck wheels' forces.
-Vec3 SlidingPiece::free_rate(const Node& k, const Vec3& p, const Vec3& u) const {
-    const double io = 1 / omega_, w = u[2];
-    const Vec3 drag = k.drag(u, omega_);
-    return {io * (w * p[1] - k.dry[0] - drag[0]), io * (-w * p[0] - k.dry[1] - drag[1]),
-            io * (-k.dry[2] - drag[2])};
+Vec3 SlidingPiece::free_rate(const Node& node, const Vec3& p, const Vec3& u) const {
+    const double inverse_omega = 1 / omega_;
+    const Vec3 drag = node.drag(u, omega_), &dry = node.dry;
+    return {inverse_omega * (u[2] * p[1] - dry[0] - drag[0]),
+            inverse_omega * (-u[2] * p[0] - dry[1] - drag[1]), inverse_omega * (-dry[2] - drag[2])};
 }
 
-Mat3 SlidingPiece::free_jacobian(const Node& k, const Vec3& p, const Vec3& u) const {
-    const double io = 1 / omega_, im = io * inverse_nm_, iJ = io * k.iJ, w = io * u[2], *D = k.D;
-    return {-D[0] * im,          -D[1] * im + w, (-D[2] + p[1]) * iJ, -D[1] * im - w, -D[3] * im,
-            (-D[4] - p[0]) * iJ, -D[2] * im,     -D[4] * im,          -D[5] * iJ};
+// The derivative of free_rate by p; Vx, Vy and w enter it by their own derivatives by p.
+Mat3 SlidingPiece::free_jacobian(const Node& node, const Vec3& p, const Vec3& u) const {
+    const double inverse_omega = 1 / omega_, V_by_p = inverse_omega * inverse_nm_;
+    const double w_by_p = inverse_omega * node.inverse_J, turn = inverse_omega * u[2];
+    const double* D = node.D;
+    // clang-format off
+    return {-D[0] * V_by_p,        -D[1] * V_by_p + turn, (-D[2] + p[1]) * w_by_p,
+            -D[1] * V_by_p - turn, -D[3] * V_by_p,        (-D[4] - p[0]) * w_by_p,
+            -D[2] * V_by_p,        -D[4] * V_by_p,        -D[5] * w_by_p};
+    // clang-format on
 }
 
-// Three directions: first those in which no stuck wheel pushes, then the stuck wheels' rows.
-std::array<Vec3, 3> SlidingPiece::split(int j, int& constraints) const {
-    constraints = mode_->count;
+// Three directions at a node: first those in which no stuck wheel pushes, then the rows of the
+// stuck wheels.
+std::array<Vec3, 3> SlidingPiece::equation_directions(int j) const {
+    const int constraints = mode_->count;
     std::array<Vec3, 3> d{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
     for (int a = 0; a < constraints; ++a) d[3 - constraints + a] = direction(mode_->stuck[a], j);
     if (constraints == 2) d[0] = cross(d[1], d[2]);
@@ -113,58 +122,59 @@ std::array<Vec3, 3> SlidingPiece::split(int j, int& constraints) const {
 
 // h times the rate of the polynomial at stage j.
 Vec3 SlidingPiece::stage_rate(int j) const {
-    const auto& D = SlidingPiece::Rule::get().rate;
+    const auto& D = Rule::get().rate;
     Vec3 r{};
     for (int k = 0; k < s; ++k)
         for (int i = 0; i < 3; ++i) r[i] += D[j * s + k] * (Y_[k][i] - p0_[i]);
     return r;
 }
 
-// One step of Newton's method, and the derivative by p0.
-bool SlidingPiece::step() {
-    const auto& diff = SlidingPiece::Rule::get().rate;
+// One step of Newton's method on Y_, and its derivative T_ by p0; false if the matrix is singular.
+bool SlidingPiece::newton_step() {
+    const auto& D = Rule::get().rate;
+    const int constraints = mode_->count;
     std::array<double, N * N> matrix{};
-    std::array<double, N * 4> change;
+    std::array<double, N * 4> solution;  // columns: the step, and the derivatives by p0
     for (int j = 0; j < s; ++j) {
-        const Node& k = node_[j + 1];
-        int constraints;
-        const auto d = split(j + 1, constraints);
-        const Vec3 u = velocity(k, Y_[j]), F = free_rate(k, Y_[j], u);
-        const Mat3 A = free_jacobian(k, Y_[j], u);
+        const Node& node = node_[j + 1];
+        const auto d = equation_directions(j + 1);
+        const Vec3 u = velocity(node, Y_[j]), F = free_rate(node, Y_[j], u);
+        const Mat3 A = free_jacobian(node, Y_[j], u);
         Vec3 Q = stage_rate(j);
         for (int i = 0; i < 3; ++i) Q[i] -= h_ * F[i];
         for (int r = 0; r < 3; ++r) {
-            double *line = &matrix[(3 * j + r) * N], *right = &change[(3 * j + r) * 4];
-            Vec3 slope;  // derivative by this stage beyond the polynomial's rate
+            const int equation = 3 * j + r;
+            double *line = &matrix[equation * N], *right = &solution[equation * 4];
+            Vec3 slope;  // derivative by this stage without that of the polynomial's rate
             if (r < 3 - constraints) {
                 for (int m = 0; m < s; ++m)
-                    for (int i = 0; i < 3; ++i) line[3 * m + i] = diff[j * s + m] * d[r][i];
+                    for (int i = 0; i < 3; ++i) line[3 * m + i] = D[j * s + m] * d[r][i];
                 for (int i = 0; i < 3; ++i)
                     slope[i] = -h_ * (d[r][0] * A[i] + d[r][1] * A[3 + i] + d[r][2] * A[6 + i]);
                 right[0] = -dot(d[r], Q);
             } else {
                 const WheelDirection g = row(mode_->stuck[r - 3 + constraints], j + 1);
-                slope = {g.x * inverse_nm_, g.y * inverse_nm_, g.r * k.iJ};
+                slope = {g.x * inverse_nm_, g.y * inverse_nm_, g.r * node.inverse_J};
                 right[0] = -g.speed(u.data(), omega_);
             }
             for (int i = 0; i < 3; ++i) line[3 * j + i] += slope[i];
             for (int i = 0; i < 3; ++i) right[1 + i] = -slope[i];
         }
     }
-    if (!solve_dense<N, 4>(matrix.data(), change.data())) return false;
+    if (!solve_dense<N, 4>(matrix.data(), solution.data())) return false;
     change_ = {};
     for (int j = 0; j < s; ++j)
         for (int i = 0; i < 3; ++i) {
-            const double* r = &change[(3 * j + i) * 4];
-            Y_[j][i] += r[0];
-            change_[i] = std::max(change_[i], std::fabs(r[0]));
-            for (int c = 0; c < 3; ++c) T_[j][3 * i + c] = (i == c) + r[1 + c];
+            const double* row = &solution[(3 * j + i) * 4];
+            Y_[j][i] += row[0];
+            change_[i] = std::max(change_[i], std::fabs(row[0]));
+            for (int c = 0; c < 3; ++c) T_[j][3 * i + c] = (i == c) + row[1 + c];
         }
     return true;
 }
 
 bool SlidingPiece::solve(const SlidingMode& mode, double tau, double h, const Vec3& p0,
-                         const Vec3& scale, double close) {
+                         const Vec3& scale, double tolerance) {
     const Rule& rule = Rule::get();
     mode_ = &mode;
     tau_ = tau;
@@ -172,21 +182,22 @@ bool SlidingPiece::solve(const SlidingMode& mode, double tau, double h, const Ve
     p0_ = p0;
     Lanes phase{{tau}};
     for (int j = 0; j < s; ++j) phase.value[j + 1] = tau + h * rule.c[j];
-    phase.value[s + 1] = tau + h * kBetween;
-    shape(s + 2, phase);
+    phase.value[s + 1] = tau + h * kBetweenStages;
+    set_shapes(s + 2, phase);
     for (int c = 0; c < 2 * robot_.n; ++c)
         dry_[c] = law(c).bound() * mode.sign[c] - law(c).thrust();
-    sum(s + 1, mode.sign);
+    sum_wheels(s + 1, mode.sign);
     Y_.fill(p0);
-    double size = HUGE_VAL;
+    double step = HUGE_VAL;
     for (int i = 0; i < kMaxIterations; ++i) {
-        const double last_size = size;
-        if (!step()) return false;
-        size = std::max({change_[0] / scale[0], change_[1] / scale[1], change_[2] / scale[2]});
-        if (!(size < kDiverged)) return false;
-        // The next step would be this one squared, times the curvature; the first one tells none.
-        const double bend = std::min(kBend * size / (last_size * last_size), 1.0);
-        if (i > 0 && size < kQuadratic && bend * size * size < close) {
+        const double last_step = step;
+        if (!newton_step()) return false;
+        step = std::max({change_[0] / scale[0], change_[1] / scale[1], change_[2] / scale[2]});
+        if (!(step < kDivergedStep)) return false;
+        // The next step would be this one squared, times the curvature. The first step alone does
+        // not show the curvature.
+        const double curvature = std::min(kCurvatureSafety * step / (last_step * last_step), 1.0);
+        if (i > 0 && step < kQuadraticStep && curvature * step * step < tolerance) {
             u_[0] = velocity(node_[0], p0_);
             for (int j = 0; j < s; ++j) u_[j + 1] = velocity(node_[j + 1], Y_[j]);
             set_stuck_forces();
@@ -212,16 +223,17 @@ double SlidingPiece::speed(int wheel, double x) {
     return (wheel % 2 ? link.n : link.t).speed(u.data(), omega_);
 }
 
-void SlidingPiece::lowest(const Lanes* values, double* bounds) const {
+void SlidingPiece::lower_bounds(const Lanes* values, double* bounds) const {
     static const auto weights = [] {
-        std::array<Lanes, s + 1> w{};
+        std::array<Lanes, s + 1> bernstein_of_unit{};
         for (int j = 0; j <= s; ++j) {
             double unit[s + 1]{};
             unit[j] = 1;
             const auto b = StagePolynomial<s>(unit).bernstein();
-            for (int i = 0; i < Lanes::kCount; ++i) w[j].value[i] = b[std::min(i, s)];
+            for (int i = 0; i < Lanes::kCount; ++i)
+                bernstein_of_unit[j].value[i] = b[std::min(i, s)];
         }
-        return w;
+        return bernstein_of_unit;
     }();
     for (int wheel = 0; wheel < wheels(); ++wheel) {
         std::array<double, Lanes::kCount> sum{};
@@ -245,27 +257,27 @@ void SlidingPiece::set_stuck_forces() {
 }
 
 Vec3 SlidingPiece::correction(int node, const SlidingMode& mode, const Vec3& u) const {
-    Vec3 pull{}, change{}, g[3]{};
+    Vec3 impulse{}, change{}, g[3]{};
     for (int a = 0; a < mode.count; ++a) {
         g[a] = direction(mode.stuck[a], node);
-        pull[a] = -row(mode.stuck[a], node).speed(u.data(), omega_);
+        impulse[a] = -row(mode.stuck[a], node).speed(u.data(), omega_);
     }
-    solve_gram(g, mode.count, {inverse_nm_, inverse_nm_, node_[node].iJ}, pull);
+    solve_gram(g, mode.count, {inverse_nm_, inverse_nm_, node_[node].inverse_J}, impulse);
     for (int a = 0; a < mode.count; ++a)
-        for (int i = 0; i < 3; ++i) change[i] += pull[a] * g[a][i];
+        for (int i = 0; i < 3; ++i) change[i] += impulse[a] * g[a][i];
     return change;
 }
 
-// The error of the polynomial's rate at the start, without the part that the force of a stuck wheel
-// balances, times how far it leads: for a rate off by delta at the start the polynomial u is off by
-// h delta times the integral of prod (1 - x/c_k), whose largest value is kLed; the difference
-// between that force and the one extrapolated from the stages; and the drift of stuck wheels
-// between the stages, which the rate does not show.
+// The largest of three errors. (1) The rate of the polynomial at the start, less the part that
+// forces of stuck wheels balance: a rate wrong by delta makes the polynomial wrong by up to
+// kRateWeight h delta. (2) Those forces, compared with the ones extrapolated from the stages. (3)
+// The motion of stuck wheels between the stages, which the rate does not show.
 double SlidingPiece::error(const Vec3& scale) {
-    constexpr double kForce = 0.02;  // an end of sticking shifts the motion by the square of it,
-                                     // times how much that force outweighs inertia
-    constexpr double kDrift = 0.3;   // in the mean
-    constexpr double kLed = 0.0299;  // for five stages
+    // Weight of a small error of a force. A large one weighs as its square, times the ratio of that
+    // force to inertia: it shifts the end of sticking, and only this shifts the motion.
+    constexpr double kForceWeight = 0.02;
+    constexpr double kDriftWeight = 0.3;    // mean drift over the drift at kBetweenStages
+    constexpr double kRateWeight = 0.0299;  // maximum of the integral of prod (1 - x/c_k)
     const Vec3 F = free_rate(node_[0], p0_, u_[0]), slope = rate(0);
     Vec3 Q, g[3]{};
     for (int i = 0; i < 3; ++i) Q[i] = (slope[i] - F[i]) / scale[i];
@@ -274,23 +286,25 @@ double SlidingPiece::error(const Vec3& scale) {
         for (int i = 0; i < 3; ++i) g[a][i] /= scale[i];
     }
     const Vec3 x = least_squares(g, mode_->count, Q);
-    const Vec3 drift = mode_->count == 0
-                           ? Vec3{}
-                           : correction(s + 1, *mode_, velocity(node_[s + 1], momenta(kBetween)));
-    double unbalanced = 0, force = 0, outweighs = 0, drifted = 0;
+    const Vec3 drift =
+        mode_->count == 0
+            ? Vec3{}
+            : correction(s + 1, *mode_, velocity(node_[s + 1], momenta(kBetweenStages)));
+    double rate_error = 0, force_error = 0, force_ratio = 0, max_drift = 0;
     for (int a = 0; a < mode_->count; ++a) {
         const double bound = law(mode_->stuck[a]).bound() / breakaway_ratio(mode_->stuck[a]);
-        force = std::max(force, std::fabs(omega_ * x[a] - stuck_force(a, 0)) / bound);
-        outweighs = std::max(outweighs, bound / (2 * omega_ * scale[0]));
+        force_error = std::max(force_error, std::fabs(omega_ * x[a] - stuck_force(a, 0)) / bound);
+        force_ratio = std::max(force_ratio, bound / (2 * omega_ * scale[0]));
     }
     for (int i = 0; i < 3; ++i) {
         for (int a = 0; a < mode_->count; ++a) Q[i] += x[a] * g[a][i];
-        unbalanced = std::max(unbalanced, std::fabs(Q[i]));
-        drifted = std::max(drifted, std::fabs(drift[i]) / scale[i]);
+        rate_error = std::max(rate_error, std::fabs(Q[i]));
+        max_drift = std::max(max_drift, std::fabs(drift[i]) / scale[i]);
     }
-    drift_ = drifted * scale[0] * inverse_nm_;
+    drift_ = max_drift * scale[0] * inverse_nm_;
+    const double force_weight = std::max(kForceWeight, force_ratio * force_error);
     return std::max(
-        {h_ * unbalanced * kLed, force * std::max(kForce, outweighs * force), kDrift * drifted});
+        {h_ * rate_error * kRateWeight, force_weight * force_error, kDriftWeight * max_drift});
 }
 
 Vec3 SlidingPiece::momenta(double x) const {

@@ -1,18 +1,19 @@
-// A piece of the motion on dry ground during which every wheel keeps to what it does: slides
-// forwards, backwards, or sticks. Joint angles imposed; flat ground.
+// A piece of the motion on dry ground during which every wheel keeps its mode: it slides forwards,
+// slides backwards, or sticks. The joint angles are imposed; the ground is flat.
 //
 // With p = (nm Vx, nm Vy, L) and u = (Vx, Vy, w) of body_shape.hpp the motion obeys, by phase,
 //
 //     omega p' = -(D u + omega d) - sum_sliding mu s g - sum_stuck lambda g + w (p_y, -p_x, 0),
 //     g_a . u + omega e_a = 0 for every stuck wheel a,
 //
-// g and e being a wheel's row. A ratchet has the D of the mode, the mean of both ways as mu and
-// half their difference as a constant thrust along its links. Radau collocation
-// (radau_collocation.hpp) on the piece: p is a polynomial that satisfies at every stage the
-// constraints, and the part of the first equation without lambda, so that there are three unknowns
-// a stage however many wheels stick. The rest of it gives lambda. Newton's matrix also gives the
-// derivative by the start, and the polynomial gives the state between the stages, where a mode may
-// end.
+// g and e being a wheel's row. For a ratchet, D is that of the mode, mu the mean of its dry
+// friction forwards and backwards, and half their difference is a constant thrust along its links.
+//
+// The piece is solved by Radau collocation (radau_collocation.hpp): p is a polynomial that
+// satisfies at every stage the constraints, and the part of the first equation without lambda. So
+// there are three unknowns a stage, whatever the number of stuck wheels. The other part of that
+// equation gives lambda. Newton's matrix also gives the derivative by the start, and the polynomial
+// gives the state between the stages, where a mode may end.
 #pragma once
 
 #include <array>
@@ -31,7 +32,7 @@ namespace serpenoid {
 struct SlidingMode {
     std::vector<double> sign;
     std::array<int, 3> stuck{};
-    int count = 0;  // of stuck ones
+    int count = 0;  // number of stuck wheels
     bool operator==(const SlidingMode&) const = default;
 };
 
@@ -40,17 +41,17 @@ class SlidingPiece {
     static constexpr int kStages = 5;
     using Rule = RadauRule<kStages>;
 
-    // One phase: sums over the wheels, moments of the shape.
+    // One phase: sums over the wheels, and the moments J and K of body_shape.hpp.
     struct Node : StageSums {
-        double J, K, iJ;
+        double J, K, inverse_J;
     };
 
     SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait);
     SlidingPiece(const SlidingPiece&) = delete;
     SlidingPiece& operator=(const SlidingPiece&) = delete;
 
-    // Nodes 0 and 1 at these phases, without the sums; then the sums, by the sign of every
-    // wheel's speed in `direction`.
+    // Put nodes 0 and 1 at these phases; their sums need the wheels' directions, so they follow.
+    // direction: every wheel's speed, of which the sign counts.
     void set_nodes(double tau0, double tau1);
     void sum_nodes(const std::vector<double>& direction);
 
@@ -58,52 +59,52 @@ class SlidingPiece {
     const Node& node(int j) const { return node_[j]; }
     WheelDirection row(int wheel, int j) const { return stages_.row(wheel, j); }
     Vec3 velocity(const Node& node, const Vec3& p) const {
-        return {p[0] * inverse_nm_, p[1] * inverse_nm_, (p[2] - omega_ * node.K) * node.iJ};
+        return {p[0] * inverse_nm_, p[1] * inverse_nm_, (p[2] - omega_ * node.K) * node.inverse_J};
     }
     const WheelLaw& law(int wheel) const { return law_[wheel % 2]; }
     bool has_modes() const { return law_[0].has_modes() || law_[1].has_modes(); }
-    // The bound over the force that counts as little or much for a wheel that is held.
+    // Dry friction over the force that typically acts on a stuck wheel.
     double breakaway_ratio(int wheel) const { return wheel % 2 ? 1 : breakaway_ratio_; }
 
-    // The least change of p, measured by kinetic energy, that puts the wheels that stick in a mode
-    // at rest at a node, where the velocity is u.
+    // The change of p, least in kinetic energy, that brings the stuck wheels of a mode to rest at a
+    // node where the velocity is u.
     Vec3 correction(int node, const SlidingMode& mode, const Vec3& u) const;
 
-    // Solve over h of phase from tau. False when Newton's method does not come to a step below
-    // `close` (of the scales).
+    // Solve from phase tau to tau + h. False if Newton's steps do not fall below the tolerance, a
+    // fraction of the scales of p.
     bool solve(const SlidingMode& mode, double tau, double h, const Vec3& p0, const Vec3& scale,
-               double close);
+               double tolerance);
 
-    double error(const Vec3& scale);            // of the polynomial, as a fraction of the scales
-    double drift() const { return drift_; }     // of the wheels at rest, m/s, by error()
-    Vec3 momenta(double x) const;               // p at a fraction of the piece
-    Vec3 rate(double x) const;                  // and dp/dtau
-    Mat3 tangent(double x) const;               // dp(x)/dp0
+    double error(const Vec3& scale);         // estimate, as a fraction of the scales; sets drift()
+    double drift() const { return drift_; }  // largest speed of stuck wheels, m/s
+    Vec3 momenta(double x) const;            // p at a fraction of the piece
+    Vec3 rate(double x) const;               // and dp/dtau
+    Mat3 tangent(double x) const;            // dp(x)/dp0
     double stuck_force(int a, double x) const;  // lambda of the a-th stuck wheel
 
     const Vec3& stage(int j) const { return Y_[j]; }
-    const Vec3& velocity_at(int node) const { return u_[node]; }  // of the start (0), the stages
+    const Vec3& velocity_at(int node) const { return u_[node]; }  // node 0: start; then stages
     const Mat3& stage_tangent(int j) const { return T_[j]; }
     double stage_force(int j, int a) const { return lambda_[j][a]; }
     // Every wheel's speed at the start and the stages.
     void speeds(Lanes* wheel_speeds) const;
     // A wheel's speed at a fraction of the piece, by the shape there.
     double speed(int wheel, double x);
-    // A lower bound of each wheel's polynomial through such values.
-    void lowest(const Lanes* values, double* bounds) const;
+    // A lower bound, on the piece, of each wheel's polynomial through values at start and stages.
+    void lower_bounds(const Lanes* values, double* bounds) const;
     // Every joint's torque and rate at some fractions of the piece.
     void torques(int count, const double* x, Lanes* torque, Lanes* rate);
 
   private:
     static constexpr int s = kStages, N = 3 * s;
-    void shape(int lanes, const Lanes& tau);
-    void sum(int lanes, const std::vector<double>& direction);
+    void set_shapes(int lanes, const Lanes& tau);
+    void sum_wheels(int lanes, const std::vector<double>& direction);
     Vec3 free_rate(const Node& node, const Vec3& p, const Vec3& u) const;
     Mat3 free_jacobian(const Node& node, const Vec3& p, const Vec3& u) const;
-    bool step();
+    bool newton_step();
     void set_stuck_forces();
     Vec3 stage_rate(int j) const;
-    std::array<Vec3, 3> split(int j, int& constraints) const;
+    std::array<Vec3, 3> equation_directions(int j) const;
     Vec3 direction(int wheel, int j) const;
 
     Robot robot_;
@@ -120,10 +121,10 @@ class SlidingPiece {
     double tau_ = 0, h_ = 0;
     Vec3 p0_{};
     std::array<Vec3, kStages> Y_{};      // p at the stages
-    std::array<Vec3, kStages + 1> u_{};  // u at the start and there
-    std::array<Mat3, kStages> T_{};      // dp/dp0 there
+    std::array<Vec3, kStages + 1> u_{};  // u at the start and the stages
+    std::array<Mat3, kStages> T_{};      // dp/dp0 at the stages
     std::array<Vec3, kStages> lambda_{};
-    Vec3 change_{};
+    Vec3 change_{};  // largest |change of p| over the stages in the last Newton step
     double drift_ = 0;
 };
 

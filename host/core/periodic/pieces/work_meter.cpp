@@ -76,7 +76,7 @@ void WorkMeter::add_doubt(const SlidingMode& mode, double h, double x) {
         mode.count < 3 ? kSlow : std::clamp(kDrifts * piece_.drift() / speed_aim_, kAim, kSlow);
     for (int wheel = 0; wheel < piece_.wheels(); ++wheel) {
         if (mode.sign[wheel] == 0 || piece_.law(wheel).bound() == 0) continue;
-        if (events_.lowest(wheel) >= kSlow) {
+        if (events_.lower_bound(wheel) >= kSlow) {
             fresh_[wheel] = 0;
             continue;
         }
