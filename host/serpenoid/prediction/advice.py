@@ -1,7 +1,7 @@
-"""Which reading to take next: the one that shrinks the band of the gaits in question most a minute.
+"""Rank the readings that could be taken next by how much they narrow the predicted speed bands.
 
-A reading that is yet to be taken is put beside the others at its expected value, and the
-posterior's slopes say what friction's covariance is then.
+Each candidate is added to the session at its expected value. The linearised posterior then gives
+the covariance that friction would have with it.
 """
 
 from __future__ import annotations
@@ -27,30 +27,32 @@ from .band import predict
 from .next_readings import NextReading, candidates
 from .speeds import SAMPLES, Progress, Samples, draw_samples
 
-WORTH = 0.1  # share of the band: a reading that saves less is not worth its time
-SERVO_LEFT = 0.5  # part of the servos' share of the band that a bench test of one joint leaves
-SERVO_TEST_MIN, FILM_MIN = 30.0, 10.0
-SHOWN = 5  # readings of a table
+MIN_REDUCTION = 0.1  # Relative reduction of the band that makes a reading worth its time.
+# Share of the servos' contribution to the band that remains after a bench test of one joint.
+TESTED_SERVO_SHARE = 0.5
+SERVO_TEST_MINUTES, FILM_MINUTES = 30.0, 10.0  # Time that a bench test, and a film, takes a person.
+TABLE_ROWS = 5
 
 
 @dataclass(frozen=True)
 class Advice(Result):
-    """Hold the present speed band and the readings that would shrink it.
+    """Hold the present speed band and the readings that would narrow it.
 
     Attributes
     ----------
     gaits
         The gaits whose speeds count.
     band
-        Half of the 95 % band of speed, relative, mean over the gaits; `compare` shows the same.
+        Half width of the 95 % speed band over the speed, mean over the gaits, from the same samples
+        as `compare`.
     readings
-        Readings that can be taken next; first the one that saves most of the band a minute.
+        Readings that can be taken next, first the one with the largest reduction a minute.
     note
-        A remark for the user, or "".
+        Remark for the user, or "".
     servo
         Name of the kind of servo; None for joints that follow the gait.
     fit_alarms
-        Why the friction fit that this rests on is not to be trusted.
+        Reasons not to trust the friction fit behind the bands.
 
     Examples
     --------
@@ -70,13 +72,13 @@ class Advice(Result):
 
     @property
     def best(self) -> NextReading:
-        """Return the reading that saves most of the band a minute."""
+        """Return the reading that reduces the band most a minute."""
         return self.readings[0]
 
     @property
     def worth(self) -> bool:
-        """Return whether any reading saves a tenth of the band."""
-        return any(reading.band <= (1.0 - WORTH) * self.band for reading in self.readings)
+        """Return whether any reading makes the band at least a tenth narrower."""
+        return any(reading.band <= (1.0 - MIN_REDUCTION) * self.band for reading in self.readings)
 
     def in_words(self) -> str:
         """Return which reading to take, or that none is worth its time."""
@@ -85,23 +87,23 @@ class Advice(Result):
             f"Take next: {best.words} ({best.minutes:.0f} minutes); the speed is then known to "
             f"±{100 * best.band:.2g} %, now {present}."
             if self.worth
-            else f"No further reading is worth its time: none makes the speed's band, {present}, a "
-            "tenth narrower."
+            else "No further reading is worth its time: none makes the 95 % band of the speed, "
+            f"{present}, a tenth narrower."
         )
         return f"{text} {self.note}".strip()
 
     def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
-        """Return the best readings and the speed's band after each; none where words do."""
+        """Return heads and rows of the best readings; none if no reading is worth its time."""
         if not self.worth:
             return [], []
         cells = [
             [reading.words, f"{reading.minutes:.0f}", f"±{reading.band:.1%}"]
-            for reading in self.readings[:SHOWN]
+            for reading in self.readings[:TABLE_ROWS]
         ]
         return ["reading", "minutes", "speed then known to"], cells
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the figures by name; fit_alarms only where there are any."""
+        """Return the attributes by name for JSON; fit_alarms only if there are any."""
         values = asdict(self)
         alarms: tuple[str, ...] = values.pop("fit_alarms")
         values["worth"] = self.worth
@@ -116,34 +118,37 @@ def advise(
     servo: ServoKind | None = HOBBY,
     progress: Progress | None = None,
 ) -> Advice:
-    """Rank the readings that could be taken next by what they save of the speed band a minute.
+    """Rank the readings that could be taken next by the reduction of the speed band a minute.
 
-    On a treadmill stations, on a floor pushes; a film where the session has films or tags; a bench
-    test where the servo was not measured. No station is named at a voided one's place, beyond the
-    plan's belt speed, or steeper than home treadmills or the steepest one taken.
+    Candidates are stations on a treadmill or pushes on a floor, a film if the session has films or
+    tags, and a bench test if the servo was not measured. Stations that repeat a voided one, need a
+    faster belt than the plan allows, or are steeper than both home treadmills and the steepest
+    station taken are left out.
 
     Parameters
     ----------
     session
         The readings so far.
     gaits
-        The gaits that matter: the planned ones unless given; the note names those too fast.
+        The gaits whose speeds count: the planned ones unless given. Gaits too fast for the servo
+        are left out, and the note names them.
     samples
-        Number of frictions drawn from the fit.
+        Number of frictions sampled from the fit.
     servo
-        The kind that moves the joints, as for `compare`.
+        The kind of servo that moves the joints, as for `compare`.
     progress
-        Called with the share of the gaits done, 0 to 1.
+        Function called with the share of the gaits done, 0 to 1.
 
     Returns
     -------
     Advice
-        The band now and the readings, best first.
+        The present band, and the readings, best first.
 
     Raises
     ------
     BadInput
-        No gait that the servo can follow, or a parameter left open, with what would close it.
+        If the session has no reading yet, the servo can follow none of the gaits, or the readings
+        do not determine friction.
 
     Examples
     --------
@@ -156,69 +161,75 @@ def advise(
     if not asked_gaits:
         raise BadInput(f"{session.where}: no gait to predict; name one with --gait")
     if not session.kept_stations and not session.on_floor:
-        raise BadInput(f"{session.where}: no station was held, and no push; take one first")
+        raise BadInput(f"{session.where}: there is no station and no push; take one first")
     fit, estimate = fit_friction(session), map_estimate(session)
     servo = servo and driving(session.setup, servo)
     too_fast = [too_fast_text(gait, servo, gait_name(gait)) for gait in asked_gaits]
-    slow = tuple(gait for gait, text in zip(asked_gaits, too_fast, strict=True) if not text)
-    if not slow:
+    feasible_gaits = tuple(
+        gait for gait, text in zip(asked_gaits, too_fast, strict=True) if not text
+    )
+    if not feasible_gaits:
         raise BadInput(
             f"{session.where}: {' '.join(too_fast)} So no speed has a band to make narrower; name "
             "a slower gait"
         )
     drawn, parts = draw_samples(fit, servo, count=samples), list[tuple[Array, Array]]()
-    for gait in slow:
-        parts.append(_slopes_and_halves(session, drawn, gait))
+    for gait in feasible_gaits:
+        parts.append(_slopes_and_half_widths(session, drawn, gait))
         if progress is not None:
-            progress(len(parts) / len(slow))
-    slopes = np.array([part[0] for part in parts])
-    friction, joints, complete, filmed = np.array([part[1] for part in parts]).T
+            progress(len(parts) / len(feasible_gaits))
+    slopes, half_widths = map(np.array, zip(*parts, strict=True))
+    by_friction, by_joints, complete, filmed = half_widths.T
     present_band = float(np.mean(complete))
-    other_variance = np.maximum(complete**2 - friction**2, 0.0)
+    other_variance = np.maximum(complete**2 - by_friction**2, 0.0)
 
     def variance(*more: Any) -> Array:
-        """Return the variance of each gait's speed by friction, with more readings."""
+        """Return the variance (gaits,) of the speeds due to friction, given more readings."""
         number = 1 + max(reading.number for reading in session.readings)
         expected = (replace(reading, number=number) for reading in more)
-        grown = replace(session, readings=(*session.readings, *expected))
-        return np.einsum("gi,ij,gj->g", slopes, covariance_after(grown, estimate), slopes)
+        extended = replace(session, readings=(*session.readings, *expected))
+        return np.einsum("gi,ij,gj->g", slopes, covariance_after(extended, estimate), slopes)
 
     present_variance, readings = variance(), list[NextReading]()
     for candidate, more in candidates(session, estimate):
-        shrunk = friction**2 * variance(*more) / present_variance
-        band = float(np.mean(np.sqrt(other_variance + shrunk)))
+        friction_variance = by_friction**2 * variance(*more) / present_variance
+        band = float(np.mean(np.sqrt(other_variance + friction_variance)))
         readings.append(replace(candidate, band=band))
     if servo is not None and not servo.drawn and not servo.exact:
         words = "a bench test of one joint (`serpenoid servo --test`)"
-        joints = np.minimum(joints, complete)
-        tested = np.sqrt(joints**2 + SERVO_LEFT**2 * (complete**2 - joints**2))
-        readings.append(NextReading("servo", words, SERVO_TEST_MIN, float(np.mean(tested))))
+        by_joints = np.minimum(by_joints, complete)
+        servo_variance = TESTED_SERVO_SHARE**2 * (complete**2 - by_joints**2)
+        band = float(np.mean(np.sqrt(by_joints**2 + servo_variance)))
+        readings.append(NextReading("servo", words, SERVO_TEST_MINUTES, band))
     by_film = any(push.source == "film" for push in session.kept_pushes)
     if by_film or session.kept_films or session.setup.robot_table.tag_side_m:
-        words, minutes = "a film of the crawling robot (`serpenoid video`)", FILM_MIN * len(slow)
+        words = "a film of the crawling robot (`serpenoid video`)"
+        minutes = FILM_MINUTES * len(feasible_gaits)
         readings.append(NextReading("film", words, minutes, float(np.mean(filmed))))
     if not readings:
         raise BadInput(
-            f"{session.where}: no station that this treadmill can be set to tells more; raise "
+            f"{session.where}: no further station is possible at the plan's belt speeds; raise "
             "belt_speed_max_m_s in the plan"
         )
-    # a reading that saves less than a tenth comes after those that are worth their time
-    readings.sort(
-        key=lambda r: (r.band > (1.0 - WORTH) * present_band, (r.band - present_band) / r.minutes)
-    )
+    # Readings that are worth their time come first, whatever the others reduce a minute.
+    worth_band = (1.0 - MIN_REDUCTION) * present_band
+    readings.sort(key=lambda r: (r.band > worth_band, (r.band - present_band) / r.minutes))
     note = " ".join(filter(None, [servo.remark if servo else "", *too_fast]))
-    return Advice(slow, present_band, tuple(readings), note, servo and servo.name, fit.alarms)
+    return Advice(
+        feasible_gaits, present_band, tuple(readings), note, servo and servo.name, fit.alarms
+    )
 
 
-def _slopes_and_halves(session: Session, samples: Samples, gait: Gait) -> tuple[Array, Array]:
-    """Return the slopes (4,) of a speed by the frictions, and halves (4,) of its 95 % bands.
+def _slopes_and_half_widths(session: Session, samples: Samples, gait: Gait) -> tuple[Array, Array]:
+    """Return the derivatives (4,) of a gait's speed by the frictions, and half widths (4,).
 
-    The slopes are a regression of sampled speeds. The halves, over the speed, are of friction, with
-    the joints' amplitude, with the servos, and the last one with joints as a film shows them.
-    Raises BadInput for a gait that stands still.
+    The derivatives come from a linear regression over the sampled speeds. The half widths are those
+    of four 95 % bands over the speed: with uncertain friction; with the joints' amplitude too; with
+    the servos too; and with friction and the joints' motion as filmed. Raises BadInput for a gait
+    that does not move the robot.
     """
     centred = samples.frictions - samples.frictions.mean(axis=0)
-    # a little of the fit's own covariance keeps frictions known all but exactly in their place
+    # The ridge keeps the regression determined where a friction is known almost exactly.
     ridge = 1e-6 * len(centred) * np.diag(np.diag(samples.fit.covariance))
     crawls = [crawl for crawl in crawls_by_command(session) if crawl.films]
     crawl = next((crawl for crawl in crawls if same_command(crawl.commanded, gait)), None)

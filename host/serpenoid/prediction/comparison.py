@@ -1,4 +1,4 @@
-"""Measured gait runs beside the speeds that the session's own friction predicts."""
+"""Compare measured gait runs with the speeds predicted from the session's own friction."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from ..base.checks import check_kind, check_number, count_text
 from ..base.errors import BadInput, NotConverged
 from ..base.rows import Plottable
-from ..base.vectors import Array
+from ..base.vectors import Array, columns
 from ..friction.fit import fit_friction
 from ..friction.result import FrictionFit
 from ..model.drives import ServoKind
@@ -28,20 +28,23 @@ from .level import level_run, slope_in_words
 from .speeds import AMPLITUDE_SIGMA, SAMPLES, Progress, Samples, draw_samples
 from .verdict import SIMULATED, Factor, Predicted, best_factors
 
-DOUBTFUL = 0.05  # p-value below which speeds differ from the prediction
-SPRINGS_RTOL = 1e-3
-NO_GAIT = "no gait run and no gait planned; give one, or take a run with `serpenoid calibrate`"
+MIN_P_VALUE = 0.05  # p-value below which the measured speeds differ from the prediction.
+SPRINGS_RTOL = 1e-3  # Relative tolerance of the implicit model's speed.
+NO_GAIT = "no gait was run and none is planned; give one, or take a run with `serpenoid calibrate`"
 NOT_MEASURED = "No gait was run yet: these are predictions. Run one, and compare again."
 
 
 @dataclass(frozen=True, eq=False)
 class ComparedGait(SpeedBand):
-    """One gait: its band, the speed by the paper's springs, and what was measured.
+    """One gait: its band, its measured speed, and the speed by the paper's implicit model.
 
-    runs: numbers of the measured runs; measured_m_s, sigma_m_s: their mean and its standard
-    deviation; None if not measured. residual_m_s: measured less exact. implicit_m_s,
-    implicit_error_m_s: of the paper's springs, for a gait that was run; None where they never
-    settle. level_runs, slope_shares: the runs, and what a slope may do to them, of `level_run`.
+    level_runs: the measured runs, corrected to level ground by `level_run`.
+    slope_shares: (samples,), ratios of the speed on a sampled slope to that on the mean slope.
+    runs: numbers of the measured runs in the session.
+    measured_m_s, sigma_m_s: mean of the measured speeds, and its standard uncertainty.
+    residual_m_s: measured speed less the exact model's.
+    implicit_m_s, implicit_error_m_s: the implicit model's speed and its error estimate, for a gait
+    that was run; None if its springs do not settle.
     """
 
     level_runs: tuple[Crawl, ...] = ()
@@ -59,13 +62,13 @@ class ComparedGait(SpeedBand):
         return bool(self.runs) and not self.too_fast
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the gait, then its figures by name."""
+        """Return the gait's angles and frequency, then its speeds by name, for JSON."""
         angles = {"alpha_rad": self.gait.alpha_rad, "beta_rad": self.gait.beta_rad}
         speeds_m_s = super().to_dict() | {"exact_m_s": self.exact_m_s}
         return angles | {"frequency_hz": self.frequency_hz} | speeds_m_s
 
     def cells(self) -> list[str]:
-        """Return the gait and its speeds, m/s, as in the heads of a comparison."""
+        """Return the cells of a comparison's row: the gait, and its speeds in m/s."""
         measured = f"{self.measured_m_s:.4f} ± {self.sigma_m_s:.4f}" if self.runs else "–"
         band_text = "too fast" if self.too_fast else f"{self.low_m_s:.3g} to {self.high_m_s:.3g}"
         implicit = "–" if self.implicit_m_s is None else f"{self.implicit_m_s:.4f}"
@@ -83,18 +86,19 @@ class Comparison(Plottable):
     session
         Name of the session.
     amplitude_sigma
-        Stated standard deviation of the joints' amplitude, relative.
+        Relative standard deviation of the joints' amplitude, as given.
     gaits
-        The gaits that were run; the planned ones if none was. Those that the servos cannot follow
-        come last, without a band, and are not judged.
+        The gaits that were run, or the planned ones if none was. Gaits that the servos cannot
+        follow come last, without a band, and do not count for the verdict.
     p_value
-        The chance of speeds so far from the predicted ones if model, fit and stated errors hold;
-        None if no gait was judged.
+        Probability of speeds at least as far from the prediction if model, fit and stated errors
+        hold; None if no gait counts.
     friction
-        The one factor on all friction that would explain the speeds best, with its p-value; None
-        where the speeds agree.
+        Factor on all friction that would explain the speeds best, with its p-value; None if the
+        speeds agree.
     amplitude
-        The one factor on the joints' amplitude that would, with its p-value; None where they agree.
+        Factor on the joints' amplitude that would explain the speeds best, with its p-value; None
+        if the speeds agree.
     verdict
         "agrees", "differs", "not measured", or "not judged".
     verdict_text
@@ -102,7 +106,7 @@ class Comparison(Plottable):
     servo
         The kind of servo; None for joints that follow the gait.
     fit
-        The friction that the predictions rest on.
+        The friction fit behind the predictions.
 
     Examples
     --------
@@ -129,7 +133,10 @@ class Comparison(Plottable):
         return self.verdict_text
 
     def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
-        """Return one line for each gait, m/s: measured, with joints and servos, implicit, ideal."""
+        """Return heads and rows, a row for each gait; verbose adds the band from friction alone.
+
+        Measured speeds are shown if there are any, else only the predicted ones.
+        """
         servos = "" if self.servo is None else f", {self.servo.name} servos"
         heads = ["gait", "measured, m/s", f"95 %{servos}, m/s", "implicit\nmodel", "ideal\njoints"]
         lines = [[*heads, "95 % friction"], *(gait.cells() for gait in self.gaits)]
@@ -139,7 +146,7 @@ class Comparison(Plottable):
         return heads, cells
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the figures by name; fit_alarms only where there are any."""
+        """Return the attributes by name for JSON; fit_alarms only if there are any."""
         values: dict[str, Any] = vars(self).copy()
         values["gaits"] = [gait.to_dict() for gait in self.gaits]
         for name in ("friction", "amplitude"):
@@ -160,9 +167,9 @@ def compare(
     seed: int = 2005,
     progress: Progress | None = None,
 ) -> Comparison:
-    """Compare a session's gait runs with the speeds that its friction predicts.
+    """Compare a session's gait runs with the speeds predicted from its friction.
 
-    Frictions are sampled, because the distribution of speed is skewed where wheels stick.
+    The bands come from samples, because the distribution of speed is skewed if wheels stick.
 
     Parameters
     ----------
@@ -173,15 +180,16 @@ def compare(
     gaits
         Further gaits to predict.
     amplitude_sigma
-        Standard deviation of true over commanded amplitude, common to all gaits.
+        Standard deviation of the ratio of true to commanded amplitude, common to all gaits.
     servo
-        The kind that moves the joints, any hobby servo unless given. None: they follow the gait.
+        The kind of servo that moves the joints, an unknown hobby servo unless given. None: the
+        joints follow the gait.
     samples
-        Number of frictions drawn.
+        Number of samples of friction, amplitude and servo.
     seed
-        Seed of the draw.
+        Seed of the random samples.
     progress
-        Called with the share of the gaits done, 0 to 1.
+        Function called with the share of the gaits done, 0 to 1.
 
     Returns
     -------
@@ -191,7 +199,7 @@ def compare(
     Raises
     ------
     BadInput
-        If there is neither a run nor a gait.
+        If no gait was run, planned or given.
 
     Examples
     --------
@@ -210,30 +218,29 @@ def compare(
     servo = servo and driving(session.setup, servo)
     crawls = {crawl.gait: crawl for crawl in crawls_by_command(session)}
     drawn = draw_samples(fit, servo, amplitude_sigma, samples, seed)
-    shown = []
+    rows = []
     for count, gait in enumerate(asked_gaits, 1):
-        shown.append(_compared(session, drawn, gait, crawls.get(gait), seed))
+        rows.append(_compared_gait(session, drawn, gait, crawls.get(gait), seed))
         if progress is not None:
             progress(count / len(asked_gaits))
-    shown.sort(key=lambda row: bool(row.too_fast))
-    judged = [row for row in shown if row.judged]
+    rows.sort(key=lambda row: bool(row.too_fast))
+    judged = [row for row in rows if row.judged]
     p_value, friction, amplitude = None, None, None
     if judged:
         predicted = _predicted(judged)
         p_value = predicted.p_value(seed)
-        if p_value < DOUBTFUL:
-            pairs = [(g.gait, g.level_runs[0].commanded if g.filmed else None) for g in judged]
+        if p_value < MIN_P_VALUE:
+            commands = [row.level_runs[0].commanded if row.filmed else None for row in judged]
+            pairs = [(row.gait, command) for row, command in zip(judged, commands, strict=True)]
             friction, amplitude = best_factors(predicted, fit, pairs, servo, seed)
-    verdict, text = _verdict(shown, judged, p_value, servo)
-    too_fast = [
-        too_fast_text(row.gait, servo, gait_name(row.gait)) for row in shown if row.too_fast
-    ]
+    verdict, text = _verdict(rows, judged, p_value, servo)
+    too_fast = [too_fast_text(row.gait, servo, gait_name(row.gait)) for row in rows if row.too_fast]
     words = [text, _explained(friction, amplitude), servo.remark if servo else "", *too_fast]
     words += [*map(_joints_as_filmed, crawls.values()), slope_in_words(session, fit)]
     return Comparison(
         session.setup.name,
         amplitude_sigma,
-        tuple(shown),
+        tuple(rows),
         p_value,
         friction,
         amplitude,
@@ -245,7 +252,7 @@ def compare(
 
 
 def _predicted(judged: Sequence[ComparedGait]) -> Predicted:
-    """Return the samples of the judged gaits' speeds beside what was measured of them."""
+    """Return the sampled and the measured speeds of the judged gaits."""
     drawn_m_s = np.stack([row.samples_m_s for row in judged], axis=2)
     servo_shares = drawn_m_s[2] / np.maximum(drawn_m_s[1], 1e-9)
     slopes = np.stack([row.slope_shares for row in judged], axis=1)
@@ -254,7 +261,7 @@ def _predicted(judged: Sequence[ComparedGait]) -> Predicted:
 
 
 def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:
-    """Return the gaits run, or planned where none was, and further ones."""
+    """Return the gaits that were run, or the planned ones if none was, and further ones."""
     crawls = crawls_by_command(session)
     commands = [crawl.commanded for crawl in crawls] or list(session.setup.plan.gaits)
     gaits = [crawl.gait for crawl in crawls] or commands
@@ -262,7 +269,7 @@ def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:
 
 
 def _joints_as_filmed(crawl: Crawls) -> str:
-    """Return how far the joints of a filmed gait moved, which its prediction takes."""
+    """Return the amplitude that films of a gait show, in words; "" if it was not filmed."""
     if not crawl.films:
         return ""
     numbers = " and ".join(f"film {film.number}" for film in crawl.films)
@@ -270,14 +277,14 @@ def _joints_as_filmed(crawl: Crawls) -> str:
     sigma = math.hypot(*(film.gain_sigma for film in crawl.films)) / len(crawl.films)
     return (
         f"Joints in {numbers} reach {gain:.1%} ± {sigma:.1%} of the commanded amplitude; the "
-        "prediction takes them as filmed."
+        "prediction uses this."
     )
 
 
-def _compared(
+def _compared_gait(
     session: Session, samples: Samples, gait: Gait, crawl: Crawls | None, seed: int
 ) -> ComparedGait:
-    """Return a row."""
+    """Return the row of one gait; crawl: its runs, None if it was not run."""
     band = predict(samples, gait, crawl.commanded if crawl and crawl.films else None)
     if crawl is None:
         return ComparedGait(**vars(band))
@@ -295,33 +302,34 @@ def _compared(
         measured_m_s=measured_m_s,
         sigma_m_s=math.hypot(sigma_m_s, slope_sigma * measured_m_s),
         residual_m_s=measured_m_s - band.exact_m_s,
-        **_by_springs(samples.fit, gait),
+        **_implicit_speed(samples.fit, gait),
     )
 
 
-def _by_springs(fit: FrictionFit, gait: Gait) -> dict[str, Any]:
-    """Return the implicit model's speed and its error; nothing where its springs never settle."""
+def _implicit_speed(fit: FrictionFit, gait: Gait) -> dict[str, Any]:
+    """Return the implicit model's speed and its error by name; {} if its springs do not settle."""
     try:
         springs = steady_springs(fit.robot, fit.ground, gait, rtol=SPRINGS_RTOL)
-    except NotConverged:  # heavy links on the paper's springs
+    except NotConverged:  # Heavy links swing on the paper's springs.
         return {}
     error = springs.error_estimate * springs.speed_m_s
     return {"implicit_m_s": springs.speed_m_s, "implicit_error_m_s": error}
 
 
 def _verdict(
-    shown: Sequence[ComparedGait],
+    rows: Sequence[ComparedGait],
     judged: Sequence[ComparedGait],
     p_value: float | None,
     servo: ServoKind | None,
 ) -> tuple[str, str]:
-    """Return the verdict as one word, and as a sentence."""
-    if not any(gait.runs for gait in shown):
+    """Return the verdict as a key of JSON has it, and as a sentence."""
+    if not any(row.runs for row in rows):
         return "not measured", NOT_MEASURED
     if p_value is None:
         return "not judged", "Not judged: the servos cannot follow any gait that was run."
-    differences = [(g.measured_m_s or 0.0) / max(g.speed_m_s, 1e-9) - 1.0 for g in judged]
-    worst = int(np.argmax(np.abs(differences)))
+    measured, predicted = columns(judged, "measured_m_s", "speed_m_s")
+    differences = measured / np.maximum(predicted, 1e-9) - 1.0
+    worst = int(np.abs(differences).argmax())
     joints = "ideal joints" if servo is None else f"servos ({servo.name})"
     count = count_text(len(judged), "gait")
     largest = (
@@ -329,7 +337,7 @@ def _verdict(
         f"at {judged[worst].frequency_hz:.3g} Hz"
     )
     chance = f"p = {p_value:.2g}" if p_value else f"p < {1 / SIMULATED:.1g}"
-    if p_value < DOUBTFUL:
+    if p_value < MIN_P_VALUE:
         return "differs", f"Differs: {largest} ({chance}, {count})."
     what = f"speed of {count} is" if len(judged) == 1 else f"speeds of {count} are"
     allowed = f"likely enough by what friction, joints and servos allow ({chance}; {largest})"
@@ -337,17 +345,17 @@ def _verdict(
 
 
 def _explained(friction: Factor | None, amplitude: Factor | None) -> str:
-    """Return which of the two factors would explain the speeds; "" without factors."""
+    """Return in words which of the two factors would explain the speeds; "" without factors."""
     if not friction or not amplitude:
         return ""
     causes = {
         f"all friction times {friction.factor:.2g}": friction.p_value,
         f"joints that reach {amplitude.factor:.0%} of the amplitude": amplitude.p_value,
     }
-    able = [f"{words} (p = {p:.2g})" for words, p in causes.items() if p >= DOUBTFUL]
-    if able:
-        return f"It would be explained by {' or by '.join(able)}. Measure that first."
+    likely = [f"{words} (p = {p:.2g})" for words, p in causes.items() if p >= MIN_P_VALUE]
+    if likely:
+        return f"It would be explained by {' or by '.join(likely)}. Measure that first."
     return (
-        "No one factor on friction or on amplitude explains it: look at the ground's slope, "
-        "the surface, tape and watch, the frequency, the gait itself."
+        "No one factor on friction or on amplitude explains it: check the ground's slope, the "
+        "surface, the tape and the watch, the frequency, and the gait itself."
     )

@@ -150,5 +150,5 @@ def test_a_gait_that_servos_cannot_follow_is_listed_and_not_judged(fitted):
     run = GaitRun(gait(1).alpha_rad, gait(1).beta_rad, 12.6, 0.01, 0.001)
     alone = comparison.compare(made.with_reading(run), fit, samples=16)
     assert (alone.verdict, alone.p_value) == ("not judged", None)
-    with refused("no gait run and no gait planned"):
+    with refused("no gait was run and none is planned"):
         comparison.compare(made, fit)
