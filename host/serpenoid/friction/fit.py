@@ -31,7 +31,15 @@ from ..base.checks import check_choice, check_kind
 from ..base.errors import BadInput, NotConverged
 from ..session.session import Session
 from .bends import COMMON_ERROR, STRAIGHTNESS
-from .notes import READING, alarms_of, check_floor, check_readings, notes_on, suspects
+from .notes import (
+    READING,
+    alarms_of,
+    check_floor,
+    check_poses,
+    check_readings,
+    notes_on,
+    suspects,
+)
 from .parameters import BELT, FRICTIONS, ROUNDING, Floats, Rows
 from .posterior import COUNT, MapEstimate, Posterior, Samples
 from .result import (
@@ -96,7 +104,9 @@ def fit_friction(
             f"{session.where}: method 'naive' is the paper's, of stations alone; pushes "
             "are fitted by 'joint'"
         )
-    if not session.on_floor:
+    if session.on_floor:
+        check_poses(session)
+    else:
         from .stations import Stations
 
         check_readings(session, Stations.from_session(session), 3 if naive else 2)
@@ -106,7 +116,8 @@ def fit_friction(
             check_floor(session, estimate)
         fit = _naive(session) if naive else _joint(session, estimate, seed)
     except NotConverged as error:
-        raise NotConverged(f"{session.where}: {error}; look for a misread value") from error
+        more = ", or take more pushes, straight and bent, both ways" * session.on_floor
+        raise NotConverged(f"{session.where}: {error}; look for a misread value{more}") from error
     refits = {words: _refit(estimate, rows) for words, rows in suspects(session, estimate).items()}
     if not naive:
         fit = replace(fit, influence=_influences(fit, refits))

@@ -33,6 +33,9 @@ MIN_BEND_SIGMAS, SAFE_BEND_SIGMAS = 5.0, 10.0
 MIN_SPAN_SIGMAS = 4.0
 OPEN = 0.5  # relative error of all the force there is, above which a friction is not told
 WEAK_PRIOR = 1e-6  # information that leaves an open friction a vast error
+# Pushes that determine the frictions along the wheels, and those across.
+STRAIGHT_PUSHES = "pushes of the straight robot at 0.9 m/s, both ways, filmed"
+BENT_PUSHES = "pushes in the balanced bend of 42 degrees, both ways, filmed"
 READING = "reading "  # begins the names of suspects that are readings
 
 
@@ -70,15 +73,19 @@ def check_readings(session: Session, stations: Stations, min_count: int) -> None
         )
 
 
+def check_poses(session: Session) -> None:
+    """Raise BadInput if no reading of a floor's session is of the bent robot."""
+    if not any(reading.lambda_rad for reading in session.fitted):
+        raise BadInput(
+            f"{session.where}: cn and fn0 cannot be told: in all readings the robot is straight; "
+            f"take {BENT_PUSHES}"
+        )
+
+
 def check_floor(session: Session, estimate: MapEstimate) -> None:
     """Raise BadInput if a friction's error is as large as all the force there is on a floor."""
     fast = max(kind.fastest_m_s for kind in estimate.posterior.kinds)
-    pairs = [
-        ("ct and ft0", 0, 2, "pushes of the straight robot at 0.9 m/s, both ways, filmed"),
-        ("cn and fn0", 1, 3, "pushes in the balanced bend of 42 degrees, both ways, filmed"),
-    ]
-    if not any(reading.lambda_rad for reading in session.fitted):
-        pairs.reverse()  # fn0 is then boundless, and ft0 with it where links stand off a little
+    pairs = [("ct and ft0", 0, 2, STRAIGHT_PUSHES), ("cn and fn0", 1, 3, BENT_PUSHES)]
     information = estimate.slopes.T @ estimate.slopes
     covariance = np.linalg.inv(information + WEAK_PRIOR * np.eye(len(information)))
     sigma = np.sqrt(np.diag(covariance))

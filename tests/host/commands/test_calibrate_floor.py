@@ -67,6 +67,7 @@ def test_a_session_of_a_treadmill_goes_on_on_the_floor(tmp_path):
     replan(folder, on="floor")
     said = run(f"calibrate {folder}", typed="\n1.0\n2.4\n\nquit\n")
     assert "kept as reading 1" in said
+    assert "no fit yet: it needs readings of the straight and of the bent robot" in said
     assert "pushes, straight 1 of 8, more to come" in run(f"calibrate status {folder}")
     said = run(f"calibrate {folder}", typed="\n\nskip\n1.0 2.4\nquit\n")
     assert "left out: push 2 of 8, straight" in said

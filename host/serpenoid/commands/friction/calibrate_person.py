@@ -66,10 +66,12 @@ def with_a_person(folder: Path, port: str | Link | None) -> None:
 
 def _so_far(session: Session) -> str:
     """Return the running fit in a line, or what it still needs."""
+    if {reading.lambda_rad > 0.0 for reading in session.fitted} != {False, True}:
+        return "no fit yet: it needs readings of the straight and of the bent robot"
     try:
         fit = fit_friction(session)
     except SerpenoidError as error:
-        return f"no fit yet: {str(error).split(': ', 1)[-1].split(';')[0]}"
+        return f"no fit yet: {str(error).removeprefix(f'{session.where}: ')}"
     values = ", ".join(
         f"{row.name} {row.value:.3g} ± {row.sigma:.1g} {row.unit}" for row in fit.rows()
     )
