@@ -23,8 +23,7 @@ from serpenoid.periodic.servo_steady import band
 from serpenoid.prediction.speeds import AMPLITUDE_SIGMA, scaled, speed
 from serpenoid.session.settings import Setup
 from serpenoid.taking.new_session import CRAWLS, PUSHES, default_setup
-from serpenoid.taking.simulated import SimulatedPerson
-from serpenoid.taking.treadmill import take_all
+from serpenoid.taking.simulated import SimulatedPerson, take_all
 from simulated_sessions import MemoryRecord, drawn_truth
 from speed_table import SpeedTable
 from study import Study, kolmogorov

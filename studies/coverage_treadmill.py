@@ -24,8 +24,7 @@ from serpenoid.periodic.steady import steady_gait
 from serpenoid.prediction.speeds import AMPLITUDE_SIGMA, scaled
 from serpenoid.session.settings import Setup
 from serpenoid.taking.new_session import default_setup
-from serpenoid.taking.simulated import SimulatedPerson
-from serpenoid.taking.treadmill import take_all
+from serpenoid.taking.simulated import SimulatedPerson, take_all
 from simulated_sessions import MemoryRecord, drawn_truth
 from speed_table import SpeedTable
 from study import Study, kolmogorov

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from serpenoid import Ground, ServoKind, Session
 from serpenoid.session.declaration import Cells
+from serpenoid.session.folder import kind_of, make_reading, reading_row
 from serpenoid.session.journal import Journal
-from serpenoid.session.rows import kind_of, make_reading, reading_row
 from serpenoid.session.session import Event
 from serpenoid.session.settings import Setup
 from serpenoid.session.track import Samples, Track

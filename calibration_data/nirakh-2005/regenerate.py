@@ -12,8 +12,7 @@ import math
 from itertools import count
 from pathlib import Path
 
-from serpenoid.session.folder import read_session
-from serpenoid.session.rows import READING_COLUMNS, reading_row
+from serpenoid.session.folder import READING_COLUMNS, read_session, reading_row
 from serpenoid.session.session import Setup
 
 CT_N_S_M, FT0_N = 0.084, 0.14  # Eq. 59, whole snake

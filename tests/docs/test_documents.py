@@ -20,7 +20,7 @@ from serpenoid.base.toml_table import tomllib
 from serpenoid.commands.demo import take_session
 from serpenoid.session.journal import Journal
 from serpenoid.taking.new_session import create_session, default_setup
-from serpenoid.taking.treadmill import take_all
+from serpenoid.taking.simulated import take_all
 
 PACKAGE = ROOT / "host" / "serpenoid"
 EXAMPLES = sorted((ROOT / "host" / "examples").glob("*"))

@@ -26,8 +26,7 @@ from ..show.report import console
 from ..show.screen import say, working
 from ..show.session.report_page import session_page
 from ..taking.new_session import create_session, default_setup, on_place
-from ..taking.simulated import SimulatedPerson, Truth, wheel_inertia_kg
-from ..taking.treadmill import take_all
+from ..taking.simulated import SimulatedPerson, Truth, take_all, wheel_inertia_kg
 
 STEPS, WIDTH = 5, 96
 SEED, WHEELS_KG, SERVOS = 2005, 0.036, sn.servo("hobby")

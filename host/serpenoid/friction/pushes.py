@@ -20,10 +20,10 @@ from functools import cached_property
 
 import numpy as np
 
-from ..session.arc import chord_places, curved_path
 from ..session.push import Push
 from ..session.session import Session
 from ..session.station import slips
+from ..session.track import chord_places, curved_path
 from .bends import Bends, projections, resistance
 from .drift import wheels_share
 from .parameters import FRICTION_PARAMETERS, Floats, Integers, Parameter, Rows, Values, frictions_in

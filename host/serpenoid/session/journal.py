@@ -22,8 +22,7 @@ from typing import Any
 from ..base import system
 from ..base.errors import BadInput, RecordingFailed
 from .declaration import Cells
-from .folder import check_session, read_session
-from .rows import (
+from .folder import (
     EVENT_COLUMNS,
     LINKS,
     LISTED,
@@ -32,8 +31,10 @@ from .rows import (
     TORN,
     TRACK_WORDS,
     Row,
+    check_session,
     kind_of,
     make_reading,
+    read_session,
     reading_row,
     reading_rows,
     words_of,

@@ -1,6 +1,6 @@
 """A calibration session in memory: the set-up, and every kind of reading taken under it.
 
-Everything here is SI and radians; session_file reads it from a folder, whose files speak degrees.
+Everything here is SI and radians; `folder` reads it from a folder, whose files speak degrees.
 """
 
 from __future__ import annotations

@@ -13,14 +13,12 @@ from ..session.declaration import Values
 from ..session.journal import Journal
 from ..session.session import Session
 from .asking import WORDS, Asker, Quit, Restart, Skip, Undo
-from .films import FilmReader, named_file, no_films, take_track
+from .films import FilmReader, named_file, no_films, push_in_words, take_track
 from .procedure import doubts, next_step
-from .pushes import push_in_words
 from .session_robot import SessionRobot
-from .steps import Step, Tracked
+from .steps import Step, Tracked, record_step
 from .terminal import Console
 from .track_files import read_track_file
-from .treadmill import record_step
 
 FILE_WORDS = {  # prompts of steps that a file answers, too
     "push": "its film or track (of Tracker, Kinovea, CSV); or way (m), time (s) and turn (deg) "

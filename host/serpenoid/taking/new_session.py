@@ -13,9 +13,8 @@ from ..base.files import write_text
 from ..model.bends import FEWEST_LINKS
 from ..model.gait import Gait
 from ..session.declaration import Values
-from ..session.folder import read_session
+from ..session.folder import EVENT_COLUMNS, READING_COLUMNS, read_session
 from ..session.journal import PROGRAM, csv_line, utc_now
-from ..session.rows import EVENT_COLUMNS, READING_COLUMNS
 from ..session.settings import (
     ASSUMED_LINK_KG,
     Instruments,

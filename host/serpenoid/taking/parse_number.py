@@ -12,7 +12,7 @@ from typing import Any
 
 from ..base.errors import BadInput
 from ..session.declaration import Field, Range
-from ..session.rows import kind_of
+from ..session.folder import kind_of
 from ..session.settings import Setup
 
 _FIRST = re.compile(

@@ -20,9 +20,8 @@ from ..session.crawls import driving
 from ..session.journal import Journal, Listed
 from ..session.settings import Setup
 from .parse_number import typed_cells
-from .simulated import SimulatedPerson, Truth, wheel_inertia_kg
+from .simulated import SimulatedPerson, Truth, take_all, wheel_inertia_kg
 from .steps import Step
-from .treadmill import take_all
 
 FRICTIONS = ("ct", "cn", "ft0", "fn0")
 

@@ -9,11 +9,13 @@ says they may.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
+from ..base.errors import NotConverged
 from ..base.sines import basis
 from ..base.vectors import Array
 from ..lab.belt import Belt
@@ -29,11 +31,15 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..session.declaration import Cells
+from ..session.journal import Journal
+from ..session.session import Session
 from ..session.settings import Setup
 from ..session.station import slips
-from .steps import Step, Tracked
+from .procedure import next_step
+from .steps import Step, Tracked, record_step
 from .track_look import look_at
 
+MAX_STEPS = 1000  # steps after which no session ends
 RUN_M, RUN_S = 1.0, 40.0  # distance and time of a gait run at most
 FILM_ERROR = 0.002  # relative error of a crawl's scale and of each joint's amplitude
 # Error at each end under a protractor, over what is stated of the bend: half the mean of both errs
@@ -212,6 +218,33 @@ class SimulatedPerson:
 
     def _error(self, sigma: float) -> float:
         return float(self.rng.normal()) * sigma
+
+
+def take_all(
+    record: Journal,
+    person: SimulatedPerson,
+    show_step: Callable[[Step], object] = lambda step: None,
+) -> Session:
+    """Take every step that is left of a session; return the session. Raises NotConverged.
+
+    show_step: is called with each step when it is done.
+    """
+    posed_deg: float | None = None
+    for _ in range(MAX_STEPS):
+        step = next_step(record.session, posed_deg)
+        if step.kind == "done":
+            return record.session
+        cells = person.answer(step)
+        if cells is None:
+            record.event("skip", detail=step.key)
+        else:
+            record_step(record, step, cells)
+            posed_deg = step.posed_deg
+        show_step(step)
+    raise NotConverged(
+        f"{MAX_STEPS} steps and no end: does the treadmill's incline rise at all? Look at the "
+        "readings with `serpenoid calibrate status`"
+    )
 
 
 def crawl_cells(rows: Array, gait: Gait) -> Cells:

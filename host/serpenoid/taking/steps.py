@@ -11,6 +11,8 @@ import numpy as np
 from ..model.bends import balanced_signs, joint_multiples
 from ..model.gait import Gait
 from ..session.declaration import Cells, Field, Range, Values
+from ..session.folder import KINDS
+from ..session.journal import Journal
 from ..session.session import Session
 from ..session.settings import Plan, Setup
 from ..session.station import BendCheck
@@ -52,6 +54,16 @@ class Step:
     def posed_deg(self) -> float | None:
         """Return how the robot lies after it, by the plan's bend; None where nobody knows."""
         return self.lambda_deg if self.kind in POSES else None
+
+
+def record_step(record: Journal, step: Step, cells: Cells) -> int:
+    """Write what a step came to; return the reading's number, 0 where none is kept."""
+    if step.kind == "straight":
+        return 0
+    reading = cells if isinstance(cells, Tracked) else Tracked(cells)
+    kind = reading.kind or step.kind
+    values = KINDS[kind].derived(step.cells | reading, record.session.setup.instruments)
+    return record.add(kind, values, samples=reading.samples)
 
 
 def planned_bends(plan: Plan) -> tuple[float, ...]:

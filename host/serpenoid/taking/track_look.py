@@ -11,9 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base.errors import BadInput
-from ..session.arc import chord_places, curved_path
 from ..session.push import unlikely_push
-from ..session.track import Floats
+from ..session.track import Floats, chord_places, curved_path
 
 PIECE_S = 0.15  # time over which a speed is taken: four intervals of 30 pictures a second
 REST_S = 0.4  # rest that counts, which tells where the robot stopped

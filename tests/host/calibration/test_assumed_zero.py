@@ -6,8 +6,7 @@ from dataclasses import replace
 import pytest
 from serpenoid import Ground, fit_friction
 from serpenoid.taking.new_session import default_setup
-from serpenoid.taking.simulated import SimulatedPerson, Truth
-from serpenoid.taking.treadmill import take_all
+from serpenoid.taking.simulated import SimulatedPerson, Truth, take_all
 from simulated_sessions import MemoryRecord
 
 FT0_N = 0.14

@@ -12,8 +12,8 @@ from robot.fake_board import eeprom_after
 from serpenoid import load_session
 from serpenoid.base.errors import RecordingFailed, RobotLost
 from serpenoid.robot.wire.virtual import VirtualLink
+from serpenoid.session.folder import read_events
 from serpenoid.session.journal import Journal
-from serpenoid.session.rows import read_events
 from serpenoid.taking.dialogue import Dialogue
 from serpenoid.taking.new_session import create_session, default_setup, on_place
 from serpenoid.taking.session_robot import SessionRobot

@@ -7,9 +7,8 @@ from dataclasses import replace
 
 import pytest
 from calibration.conversations import Typist
-from serpenoid.session.folder import read_session
+from serpenoid.session.folder import read_session, reading_rows
 from serpenoid.session.journal import Journal
-from serpenoid.session.rows import reading_rows
 from serpenoid.taking.dialogue import Dialogue
 from serpenoid.taking.new_session import create_session, default_setup, on_place
 

@@ -12,7 +12,7 @@ from planned import replan
 from serpenoid import load_session
 from serpenoid.session.journal import Journal
 from serpenoid.taking.new_session import create_session
-from serpenoid.taking.treadmill import take_all
+from serpenoid.taking.simulated import take_all
 
 
 def run(line, typed="", fails=False):

@@ -7,8 +7,7 @@ import pytest
 from command_line import serpenoid
 from robot.terminal import Person
 from serpenoid import load_session
-from serpenoid.session.folder import read_session
-from serpenoid.session.rows import read_events
+from serpenoid.session.folder import read_events, read_session
 
 
 @pytest.fixture

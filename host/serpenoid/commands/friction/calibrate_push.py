@@ -49,8 +49,7 @@ def push(
     kept, void, with the reason.
     """
     from ...session.journal import Journal
-    from ...taking.films import take_track
-    from ...taking.pushes import other_way, push_in_words
+    from ...taking.films import other_way, push_in_words, take_track
     from .calibrate_person import film_reader
 
     with Journal(folder) as journal:
