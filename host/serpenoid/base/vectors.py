@@ -1,4 +1,4 @@
-"""Arrays checked where they enter: type, shape and finite numbers."""
+"""Arrays of floats, and checks of the arrays that users pass."""
 
 from __future__ import annotations
 
@@ -14,34 +14,35 @@ Array = NDArray[np.float64]
 
 
 def number_array(name: str, values: ArrayLike) -> Array:
-    """Return values as an array of floats of any shape; raises BadInput: text, objects, ragged."""
+    """Return values as an array of floats of any shape, for example (2, 3) of two lists of three.
+
+    name: the argument, for the message. Raises BadInput for text, booleans, other objects, and
+    lists of unequal length.
+    """
     try:
         array = np.asarray(values)
-        wrong = array.dtype.kind not in "iufO" or any(
-            v is None or isinstance(v, (str, bytes, bool))
-            for v in array.flat
-            if array.dtype.kind == "O"
-        )
-        if not wrong:
+        objects = array.flat if array.dtype.kind == "O" else ()
+        is_text = any(value is None or isinstance(value, (str, bytes, bool)) for value in objects)
+        if array.dtype.kind in "iufO" and not is_text:
             return array.astype(float, copy=False)
-    except (TypeError, ValueError, OverflowError):  # OverflowError: a number of 400 digits
+    except (TypeError, ValueError, OverflowError):  # An integer of 400 digits overflows.
         pass
     shown = f"{values!r}"[:100]
     raise BadInput(f"{name} is {shown}; it must be numbers, up to 1e308, in a regular array")
 
 
 def columns(points: Sequence[Any], *names: str) -> list[Array]:
-    """Return an array for each attribute of some points; None becomes NaN."""
+    """Return for each name the array (N,) of that attribute of N points; None becomes NaN."""
     return [np.array([getattr(point, name) for point in points], dtype=float) for name in names]
 
 
 def finite_vector(name: str, values: ArrayLike, size: int) -> Array:
-    """Return values as `size` finite floats, or raise BadInput naming what is wrong."""
+    """Return values as an array (size,) of finite floats; raises BadInput with the wrong index."""
     vector = number_array(name, values)
     if vector.shape != (size,):
         raise BadInput(f"{name} has shape {vector.shape}; it must be {size} numbers")
-    beyond = np.flatnonzero(~np.isfinite(vector))
-    if beyond.size:
-        where = int(beyond[0])
-        raise BadInput(f"{name}[{where}] is {vector[where]}; it must be a finite number")
+    is_finite = np.isfinite(vector)
+    if not is_finite.all():
+        index = int(is_finite.argmin())
+        raise BadInput(f"{name}[{index}] is {vector[index]}; it must be a finite number")
     return np.ascontiguousarray(vector)

@@ -1,4 +1,4 @@
-"""Bends in which a robot stays on course while it rolls, and what its joints do in them."""
+"""Link and joint angles of the bends in which a robot is pulled or pushed for calibration."""
 
 from __future__ import annotations
 
@@ -6,48 +6,50 @@ from itertools import pairwise
 
 from ..base.errors import BadInput
 
-FEWEST_LINKS = 4  # links of a bend that balances itself
-# Zigzag first: sessions of before there were others do not say.
-BENDS = ("zigzag", "balanced")
+MIN_LINKS = 4  # Fewest links of a balanced bend.
+BENDS = ("zigzag", "balanced")  # The first is the default of old sessions, which do not name it.
 
 
 def balanced_signs(links: int) -> tuple[int, ...]:
-    """Return the sign of each link's angle in the balanced bend: 1, -1 or 0, from the tail.
+    """Return the sign of each link's angle in the balanced bend, from the tail: 1, -1 or 0.
 
-    The signs read the same from both ends and add up to 0. Then the side forces of a robot that
-    rolls along its axis have neither a sum nor a moment: a link's place is odd about the middle
-    and its sign even. As many links as possible are bent, in pairs from either end; the middle
-    stays straight.
+    The signs are symmetric about the middle and add up to 0. So the side forces on a robot that
+    rolls along its axis have no sum, and, as the links' positions are antisymmetric, no moment. As
+    many links as possible are bent, in pairs from either end; those in the middle stay straight.
 
     Parameters
     ----------
-    links : how many links the robot has.
+    links
+        Number of links of the robot.
 
     Returns
     -------
-    One sign a link, such as (1, -1, 0, 0, -1, 1) of six links.
+    tuple of int
+        A sign for each link, such as (1, -1, 0, 0, -1, 1) for six links.
 
     Raises
     ------
     BadInput
-        Fewer than four links have no such bend.
+        If there are fewer than four links.
     """
-    if links < FEWEST_LINKS:
+    if links < MIN_LINKS:
         raise BadInput(
-            f"{links} links have no bend that balances itself, at least {FEWEST_LINKS} do: guide "
-            "the robot on the belt and bend it as a zigzag"
+            f"{links} links have no balanced bend, which needs at least {MIN_LINKS}; bend the "
+            "robot as a zigzag and guide it on the belt"
         )
-    half = [-1 if (k + 1) & 2 else 1 for k in range(2 * (links // 4))]
-    return (*half, *[0] * (links - 2 * len(half)), *reversed(half))
+    bent_half = links // 4 * 2
+    half = ((1, -1, -1, 1) * links)[:bent_half]
+    straight = (0,) * (links - 2 * bent_half)
+    return half + straight + half[::-1]
 
 
 def bend_signs(bend: str, links: int) -> tuple[int, ...]:
-    """Return the sign of each link's angle in a bend, "balanced" or "zigzag", from the tail."""
+    """Return the sign of each link's angle in a bend of BENDS, from the tail: 1, -1 or 0."""
     if bend == "balanced":
         return balanced_signs(links)
     return tuple(1 if link % 2 else -1 for link in range(links))
 
 
 def joint_multiples(signs: tuple[int, ...]) -> tuple[int, ...]:
-    """Return what each joint does, from the tail, as multiples of the links' angle."""
+    """Return each joint's angle over the links' angle, from the tail, given the links' signs."""
     return tuple(head - tail for tail, head in pairwise(signs))

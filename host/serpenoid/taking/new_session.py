@@ -10,7 +10,7 @@ from typing import Any
 
 from ..base.errors import BadInput
 from ..base.files import write_text
-from ..model.bends import FEWEST_LINKS
+from ..model.bends import MIN_LINKS
 from ..model.gait import Gait
 from ..session.declaration import Values
 from ..session.folder import EVENT_COLUMNS, READING_COLUMNS, read_session
@@ -153,7 +153,7 @@ def answered(setup: Setup, answers: Mapping[str, Any]) -> Setup:
     if "belt_speed_step_m_s" in values:
         rounding_m_s = values["belt_speed_step_m_s"] / SIGMAS_OF_STEP
         values["belt_speed_sigma_m_s"] = math.hypot(rounding_m_s, DRIFT_SIGMA_M_S)
-    if values.get("links", FEWEST_LINKS) < FEWEST_LINKS:  # they have no balanced bend
+    if values.get("links", MIN_LINKS) < MIN_LINKS:  # they have no balanced bend
         values["bend"] = "zigzag"
     tables = [
         replace(table, **{key: values[key] for key in table.declared if key in values})

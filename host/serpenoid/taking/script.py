@@ -1,4 +1,6 @@
-"""A session taken without prompts: plan.toml says who answers, a simulation or a list of readings.
+"""Take a session without prompts, from a script: a simulated person, or a list of readings.
+
+A script such as plan.toml is one of
 
 [simulated]                       [[reading]]
 seed = 1                          kind = "station"
@@ -27,9 +29,10 @@ FRICTIONS = ("ct", "cn", "ft0", "fn0")
 
 
 def simulated_person(top: Table, setup: Setup) -> SimulatedPerson:
-    """Return the person and the robot that a script's [simulated] describes; raises BadInput.
+    """Return the simulated person, with robot and ground, of a script's table [simulated].
 
-    The robot has a hobby servo in each joint, one drawn by the seed, as predictions assume.
+    top: the whole script. The robot's joints have a hobby servo, sampled with the seed from those
+    that predictions assume. Raises BadInput, naming file and line.
     """
     table = top.table("simulated")
     table.only("seed", *FRICTIONS)
@@ -40,22 +43,22 @@ def simulated_person(top: Table, setup: Setup) -> SimulatedPerson:
 
 
 def run_script(journal: Journal, path: Path, show_step: Callable[[Step], object]) -> int:
-    """Take what is left of a session as a script says; return how many readings it added.
+    """Take the remaining readings of a session from a script; return the number of new readings.
 
-    show_step: is called with each step of a simulated person when it is done. Raises BadInput,
-    naming file and line.
+    path: the script. show_step: called with each step that a simulated person has done. Raises
+    BadInput, naming file and line.
     """
     top = Table.load(path)
     top.only("reading" if "reading" in top.values else "simulated")
     if "reading" in top.values:
         return _add_listed(journal, top)
-    first = journal.last
+    previous = journal.last
     take_all(journal, simulated_person(top, journal.session.setup), show_step)
-    return journal.last - first
+    return journal.last - previous
 
 
 def _add_listed(journal: Journal, top: Table) -> int:
-    """Add those of the listed readings that the session has not got from this list already."""
+    """Add the readings of a list that an earlier run has not added; return how many these are."""
     listed = top.values["reading"]
     if not isinstance(listed, list) or not all(isinstance(row, dict) for row in listed):
         raise BadInput(f"{top.where('reading')}: give readings as [[reading]] tables")

@@ -1,4 +1,4 @@
-"""What a film says of the robot, in numbers with standard deviations; its JSON and its track."""
+"""The result of measuring a film: numbers with standard uncertainties, JSON, and a track as CSV."""
 
 from __future__ import annotations
 
@@ -22,9 +22,10 @@ from .seeing.watch import Watched
 
 @dataclass(frozen=True)
 class Joint:
-    """One joint's sine: phi = offset + amplitude sin(w t + phase); joints count from the tail.
+    """One joint's motion: phi = offset + amplitude sin(omega t + phase).
 
-    phase_rad: beside the tail joint's. seen: share of the frames whose tags hold the joint.
+    joint: its number, from 1 at the tail. phase_rad: relative to the joint at the tail. seen: share
+    of the frames in which both of its links are known from tags, 0 to 1.
     """
 
     joint: int
@@ -39,7 +40,7 @@ class Joint:
 
 @dataclass(frozen=True)
 class Remark:
-    """One thing to know about a film or the robot in it: a short name, and words."""
+    """A remark on a film or the robot in it: a short name for JSON, and a sentence."""
 
     name: str
     text: str
@@ -47,13 +48,15 @@ class Remark:
 
 @dataclass(frozen=True)
 class FilmedRun(Result):
-    """What `serpenoid video` tells.
+    """The robot's motion in a film, as `serpenoid video` prints it.
 
-    Speed, along the mean path; direction of travel from the links' mean heading (0: head first);
-    turn; rate; path_m: length of the mean path. joints: from the tail. residual_px:
-    root mean square of the corners beside the fitted chain. time_scale: what the file's times were
-    multiplied with, for slow motion and the board's time. film, camera: what JSON holds of them.
-    scale_sigma: relative, of all lengths, and part of the speed's: how far links and tags disagree.
+    speed_m_s: speed along the mean path. direction_rad: direction of travel relative to the links'
+    mean heading; 0 is head first. turn_rad_s: rate at which the path turns. omega_rad_s: angular
+    rate of the gait. path_m: length of the mean path. periods: number of filmed periods.
+    joints: from the tail. residual_px: root mean square distance between the tags' corners and the
+    fitted chain. time_scale: factor by which the file's times were multiplied, for slow motion and
+    for the board's clock. camera, film: their parameters for JSON. scale_sigma: relative standard
+    uncertainty of all lengths, from the disagreement of links and tags; the speed's includes it.
     """
 
     speed_m_s: float
@@ -75,18 +78,18 @@ class FilmedRun(Result):
     remarks: tuple[Remark, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """Return it for JSON."""
+        """Return the fields by name, for JSON."""
         return asdict(self)
 
     def in_words(self) -> str:
-        """Return the speed along the path."""
+        """Return the speed along the path, in mm/s, with the path's length."""
         return (
             f"{1e3 * self.speed_m_s:.2f} ± {1e3 * self.speed_sigma_m_s:.2f} mm/s along "
             f"{1e3 * self.path_m:.0f} mm, {self.periods:.2f} periods"
         )
 
     def rows(self) -> list[Row]:
-        """Return direction, turn, rate, and what the file's times were multiplied with."""
+        """Return direction, deg, turn, deg/s, rate, Hz, and the time scale unless it is 1."""
         degrees, hertz = 180 / math.pi, 0.5 / math.pi
         direction, turn = degrees * self.direction_rad, degrees * self.turn_rad_s
         direction_sigma = degrees * self.direction_sigma_rad
@@ -101,7 +104,7 @@ class FilmedRun(Result):
 
 @dataclass(frozen=True)
 class FilmMeasurement:
-    """Everything of one film: numbers, what was seen, what was fitted, the commanded gait."""
+    """A measured film: the result, the detected tags, the fitted motion, and the commanded gait."""
 
     run: FilmedRun
     watched: Watched
@@ -110,23 +113,26 @@ class FilmMeasurement:
 
 
 def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> FilmedRun:
-    """Gather the numbers of a measured film, without remarks."""
-    m, bundle, film = measured.motion, measured.bundle, watched.film
+    """Return the result of a measured film, without remarks.
+
+    time_scale: factor for the times, beside that of the film's own slow motion.
+    """
+    motion, bundle, film = measured.motion, measured.bundle, watched.film
     rate_sigma, *joint_sigmas, direction_sigma, speed_sigma, turn_sigma = measured.sigmas.tolist()
     span_s, t_s = float(np.ptp(measured.track.t_s)), watched.sightings.t_s
     camera = bundle.camera
     rms_px = float(np.sqrt(np.nanmean(measured.track.rest_px**2)))
     return FilmedRun(
-        speed_m_s=m.speed_m_s,
+        speed_m_s=motion.speed_m_s,
         speed_sigma_m_s=speed_sigma,
-        direction_rad=m.direction_rad,
+        direction_rad=motion.direction_rad,
         direction_sigma_rad=direction_sigma,
-        turn_rad_s=m.turn_rad_s,
+        turn_rad_s=motion.turn_rad_s,
         turn_sigma_rad_s=turn_sigma,
-        omega_rad_s=m.omega_rad_s,
+        omega_rad_s=motion.omega_rad_s,
         omega_sigma_rad_s=rate_sigma,
-        path_m=m.speed_m_s * span_s,
-        periods=m.omega_rad_s * span_s / (2 * np.pi),
+        path_m=motion.speed_m_s * span_s,
+        periods=motion.omega_rad_s * span_s / (2 * np.pi),
         joints=_joints(measured, joint_sigmas),
         residual_px=rms_px,
         time_scale=time_scale * film.time_scale,
@@ -151,15 +157,19 @@ def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> Filme
 
 
 def _joints(measured: Measured, sigmas: list[float]) -> tuple[Joint, ...]:
-    """Return the joints' sines; sigmas: of amplitudes, phases but the first, and offsets."""
-    m, share_seen = measured.motion, measured.joint_mask.mean(axis=0)
+    """Return the joints' motions.
+
+    sigmas: standard uncertainties of all amplitudes, of all phases but the first, which is the
+    reference, and of all offsets.
+    """
+    motion, share_seen = measured.motion, measured.joint_mask.mean(axis=0)
     count = len(share_seen)
     columns = [
-        m.amplitude_rad,
+        motion.amplitude_rad,
         sigmas[:count],
-        wrapped(m.phase_rad - m.phase_rad[0]),
+        wrapped(motion.phase_rad - motion.phase_rad[0]),
         [0.0, *sigmas[count : 2 * count - 1]],
-        m.offset_rad,
+        motion.offset_rad,
         sigmas[2 * count - 1 :],
         share_seen,
     ]
@@ -168,7 +178,11 @@ def _joints(measured: Measured, sigmas: list[float]) -> tuple[Joint, ...]:
 
 
 def track_rows(measured: Measured) -> tuple[list[str], Array]:
-    """Return the columns of a track and its rows: time, place, heading, joints."""
+    """Return the names of a track's columns and its rows, (frames, 4 + joints), in SI.
+
+    The columns are time, mean position of the links, mean heading and the joints' angles from
+    the tail; an angle is NaN where tags do not show the joint.
+    """
     track, phi = measured.track, joint_angles(measured.track.states)
     joints = [f"joint{i + 1}_rad" for i in range(phi.shape[1])]
     angles = np.where(measured.joint_mask, phi, np.nan)
@@ -177,6 +191,7 @@ def track_rows(measured: Measured) -> tuple[list[str], Array]:
 
 
 def write_track(measured: Measured, path: Path) -> None:
-    """Write the track as CSV; a joint that no tag holds in a frame stays empty."""
+    """Write the track as CSV; the cell of a joint that tags do not show stays empty."""
     names, rows = track_rows(measured)
-    write_csv(path, names, (["" if np.isnan(x) else f"{x:.7g}" for x in row] for row in rows))
+    lines = [["" if np.isnan(value) else f"{value:.7g}" for value in row] for row in rows]
+    write_csv(path, names, lines)

@@ -1,4 +1,4 @@
-"""Whether the camera stood still: points of the floor, followed from the first frame on."""
+"""Follow points of the floor through a film, to tell whether the camera stood still."""
 
 from __future__ import annotations
 
@@ -8,28 +8,29 @@ import numpy as np
 
 from ..arrays import Grey
 
-EVERY_S = 0.5  # Time between looks.
-LEAST_POINTS = 12
-PATCH_PX = 21  # Side of the patch round a point that is followed.
-REACH_PX = 1.0  # Distance from the floor's common motion beyond which a point is somebody's foot.
+INTERVAL_S = 0.5  # Time between the frames that are compared with the first one.
+MIN_POINTS = 12  # Fewest points whose common motion is trusted.
+PATCH_PX = 21  # Side of the square round each followed point.
+MAX_ERROR_PX = 1.0  # Deviation from the floor's common motion; points beyond it are on a foot.
 
 
 class Background:
     """Follow the floor's points from the first frame to a later one, and back again.
 
-    A point counts where it comes back to its place, and where it goes with most others: noise does
-    neither. shifts: (time s, how far the floor at the robot moved, x y px, and the standard
-    deviation of that), of the looks in which enough points count. looks: all of them.
+    A point counts if it returns to its place and moves with most others; noise does neither.
+
+    shifts: (time, s; x and y shift of the floor at the robot, px; its standard deviation, px) for
+    each compared frame in which enough points count. looks: number of compared frames.
     """
 
     def __init__(self, window: tuple[int, int, int, int], time_s: float, picture: Grey) -> None:
-        """Take the first frame; window: where the robot is, left, top, right, bottom, px."""
+        """Take the first frame; window: the robot's left, top, right and bottom edge in it, px."""
         import cv2
 
         self.window = window
         self.shifts: list[tuple[float, float, float, float]] = []
         self.looks = 0
-        self._next_s = time_s + EVERY_S
+        self._next_s = time_s + INTERVAL_S
         free = np.full(picture.shape, 255, np.uint8)
         left_px, top, right, bottom = window
         free[top:bottom, left_px:right] = 0
@@ -41,16 +42,16 @@ class Background:
 
     @property
     def plain(self) -> bool:
-        """Tell whether the floor shows too little to follow."""
+        """Return whether the floor has too few points that can be followed."""
         return len(self.shifts) <= self.looks / 2
 
     def look(self, time_s: float, picture: Grey) -> None:
-        """Take a later frame; most are passed over."""
+        """Compare a later frame with the first one, if INTERVAL_S has passed; else skip it."""
         import cv2
 
         if time_s < self._next_s:
             return
-        self._next_s = time_s + EVERY_S
+        self._next_s = time_s + INTERVAL_S
         self.looks += 1
         if self._points is None:
             return
@@ -59,28 +60,31 @@ class Background:
         returned_points, returned_status = self._follow(later, self._first, forward_points)
         distance = np.linalg.norm(returned_points - self._points, axis=2).ravel()
         is_good = (status & returned_status).ravel() == 1
-        is_good &= distance < REACH_PX
-        if is_good.sum() < max(LEAST_POINTS, len(is_good) / 3):
+        is_good &= distance < MAX_ERROR_PX
+        if is_good.sum() < max(MIN_POINTS, len(is_good) / 3):
             return
         start, end = self._points[is_good, 0], forward_points[is_good, 0]
-        _, inliers = cv2.estimateAffinePartial2D(start, end, ransacReprojThreshold=REACH_PX)
+        _, inliers = cv2.estimateAffinePartial2D(start, end, ransacReprojThreshold=MAX_ERROR_PX)
         is_common = inliers.ravel() == 1
-        if is_common.sum() >= max(LEAST_POINTS, is_good.sum() / 2):
-            # The picture moves, turns and grows: by how much did the window's corner move that
-            # moved most? So a picture that turns or grows about its middle has moved, too.
-            # In complex numbers: shift = mean + growth (place - middle), by least squares.
-            place, shift = (pixels[is_common] @ [1, 1j] for pixels in (start, end - start))
-            middle, mean = place.mean(), shift.mean()
-            arm = place - middle
+        if is_common.sum() >= max(MIN_POINTS, is_good.sum() / 2):
+            # Fit translation, rotation and growth of the picture by least squares, with points as
+            # complex numbers: shift = mean + growth (point - middle). The shift reported is the
+            # largest of the window's corners, so that a rotation about its middle counts too.
+            point, shift = (pixels[is_common] @ [1, 1j] for pixels in (start, end - start))
+            middle, mean = point.mean(), shift.mean()
+            arm = point - middle
             inertia = np.sum(np.abs(arm) ** 2)
             growth = arm.conj() @ shift / inertia
             left_px, top, right, bottom = self.window
-            lever = np.add.outer([left_px, right], [1j * top, 1j * bottom]).ravel() - middle
-            moved = mean + growth * lever
-            worst = int(np.abs(moved).argmax())
-            residual = np.sum(np.abs(shift - mean - growth * arm) ** 2) / (2 * len(arm) - 4)
-            sigma = np.sqrt(residual * (1 / len(arm) + abs(lever[worst]) ** 2 / inertia))
-            self.shifts.append((time_s, moved[worst].real, moved[worst].imag, float(sigma)))
+            corners = np.add.outer([left_px, right], [1j * top, 1j * bottom])
+            corner_arm = corners.ravel() - middle
+            corner_shift = mean + growth * corner_arm
+            largest = int(np.abs(corner_shift).argmax())
+            errors = shift - mean - growth * arm
+            variance = np.sum(np.abs(errors) ** 2) / (2 * len(arm) - 4)
+            sigma = np.sqrt(variance * (1 / len(arm) + abs(corner_arm[largest]) ** 2 / inertia))
+            shift_px = corner_shift[largest]
+            self.shifts.append((time_s, shift_px.real, shift_px.imag, float(sigma)))
 
     @staticmethod
     def _follow(first: Any, later: Any, points: Any) -> tuple[Any, Any]:
@@ -94,7 +98,7 @@ class Background:
 
 
 def _even(picture: Grey) -> Grey:
-    """Return a picture divided by its own brightness nearby: lamps flicker, phones adapt."""
+    """Return a picture over its local mean brightness: lamps flicker, and phones adapt."""
     import cv2
 
     blurred = cv2.blur(picture, (2 * PATCH_PX + 1,) * 2)
