@@ -21,8 +21,6 @@ from ..model.robot import Robot
 
 Shape = tuple[Robot, Ground, Gait]  # its gait at the first rate
 
-CONNECT_S = 10.0  # longest wait for the scheduler
-
 
 def solve_shapes(
     shapes: Sequence[Shape],
@@ -75,10 +73,10 @@ def solve_on_cluster(
             f"--scheduler is {scheduler!r}; it must be an address with a port, such as "
             "tcp://10.0.0.1:8786, which `dask scheduler` prints when it starts"
         )
-    lost = (OSError, ValueError, TypeError, ImportError)
-    lost += (distributed.CancelledError, distributed.KilledWorker, distributed.TimeoutError)
+    dask_errors = distributed.CancelledError, distributed.KilledWorker, distributed.TimeoutError
+    lost = OSError, ValueError, TypeError, ImportError, *dask_errors
     try:
-        client: Any = distributed.Client(scheduler, timeout=CONNECT_S, set_as_default=False)
+        client: Any = distributed.Client(scheduler, set_as_default=False)
         with client:
             client.wait_for_workers(1, 60.0)
             # With four chunks a thread all threads end at about the same time.

@@ -29,10 +29,6 @@ from ..servos.speed_limit import (
 from .steady import Steady, relative_error, steady_gait
 
 LEAST_AMPLITUDE = 0.2  # share of the gait's: below it the typical servo is too weak for the robot
-_STEP_S, _LONG_STEP_S, _ROUGH_STEP_S, _LONG_PERIOD_S = 1e-3, 2e-3, 4e-3, 2.0
-_FINE_COUNT = 16  # draws, of which none is solved roughly
-_SLOW = 5e-3  # share of body length times rate: a draw of a slower gait is known no better
-_MOST_OFF = 0.15  # share of the draws' scatter: what a rough one may be off by, once put right
 
 
 def band(drawn: Array | Sequence[float]) -> tuple[float, float]:
@@ -208,16 +204,14 @@ def servo_state(
     length times rate; a slower speed is known to a part of this one. progress: called with the
     cycles done and those in all; may raise to stop.
     """
-    long = ideal.gait.period_s > _LONG_PERIOD_S
-    step = _ROUGH_STEP_S if rough else _LONG_STEP_S if long else _STEP_S
-    step = min(step, servo.frame_s / 4)
-    model = core_model(ideal.robot, ideal.ground, ideal.gait)
-    start, monodromy = tuple(ideal.body_velocity), tuple(ideal.monodromy.ravel())
+    # Two thousand steps a cycle, of 1 to 2 ms.
+    fine_s = np.clip(ideal.gait.period_s / 2000, 1e-3, 2e-3)
+    step = min(4e-3 if rough else fine_s, servo.frame_s / 4)
     return _core.servo_gait(
-        model,
+        core_model(ideal.robot, ideal.ground, ideal.gait),
         core_servo(servo),
-        start,
-        monodromy,
+        tuple(ideal.body_velocity),
+        tuple(ideal.monodromy.ravel()),
         step,
         rough,
         slow,
@@ -250,8 +244,8 @@ def ripple_share(ideal: Steady, servo: Servo, rough: bool = False) -> float:
 
 
 def drawn_servo_speed(ideal: Steady, servo: Servo, rough: bool) -> float:
-    """Return the speed with a servo, m/s, to a part of _SLOW where it is less."""
-    return servo_state(ideal, servo, rough, slow=_SLOW).speed
+    """Return the speed with a servo, m/s; of a slow gait to a part of 0.5 % of length x rate."""
+    return servo_state(ideal, servo, rough, slow=5e-3).speed
 
 
 def drawn_servo_speeds(
@@ -261,15 +255,16 @@ def drawn_servo_speeds(
     value: Callable[[Steady, Servo, bool], float] = drawn_servo_speed,
     ends_only: bool = False,
     progress: Progress | None = None,
+    fine_count: int = 8,
 ) -> Array:
     """Return the speed of each draw with its servo, m/s, by rough states corrected by fine ones.
 
     ideal: the draws with ideal joints. value: what is wanted in place of the speed. ends_only: the
     ends of a band are wanted, so that the middle three quarters may stay rough. progress: called
     with 1 after each rough state. A rough state costs a quarter of a fine one or less and is mostly
-    1 % off. The draws at both ends, which make the ends of a band, and some between are solved
+    1 % off. The draws at both ends, which make the ends of a band, and six between are solved
     finely. The median ratio there puts the others right. Where one would then still be off by more
-    than _MOST_OFF of the scatter of all, every draw is solved finely.
+    than 15 % of the scatter of all, and of up to 16 draws, every one is solved finely.
     """
 
     def solved(places: Sequence[int], rough: bool, progress: Progress | None = None) -> Array:
@@ -278,16 +273,15 @@ def drawn_servo_speeds(
         )
 
     indices = range(len(servos))
-    if len(servos) <= _FINE_COUNT:
+    if len(servos) // 2 <= fine_count:
         return solved(indices, False)
     values = solved(indices, True, progress)
-    # Four draws between both ends are solved finely, too.
-    inside = np.linspace(1, len(servos) - 2, 6).round().astype(int)
+    inside = np.linspace(1, len(servos) - 2, fine_count - 2).round().astype(int)
     order = np.argsort(values)
     picked = order[[0, *inside, -1]]
     fine = solved(picked.tolist(), False)
     values *= np.median(fine / np.maximum(values[picked], 1e-12))
-    doubtful = np.abs(values[picked] - fine).max() > _MOST_OFF * values.std()
+    doubtful = np.abs(values[picked] - fine).max() > 0.15 * values.std()
     values[picked] = fine
     if doubtful:
         eighth = len(servos) // 8

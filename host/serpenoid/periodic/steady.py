@@ -40,10 +40,6 @@ class FromRest:
     reaches_reported: bool
     other: Motion | None
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain values, for JSON; other is None where no other motion was found."""
-        return asdict(self)
-
 
 @dataclass(frozen=True, slots=True)
 class Steady(Plottable):
@@ -266,7 +262,7 @@ class Steady(Plottable):
         if self.sensitivities is not None:
             values["sensitivities"] = self.sensitivities.to_dict()
         if self.from_rest is not None:
-            values["from_rest"] = self.from_rest.to_dict()
+            values["from_rest"] = asdict(self.from_rest)
         return values
 
 

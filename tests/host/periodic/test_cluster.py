@@ -78,9 +78,9 @@ def test_a_worker_killed_in_the_middle_is_done_without(local: Any) -> None:
     assert same(there, sn.sweep(OF_2005, BINGHAM, **axes, rtol=1e-6))
 
 
-def test_what_is_no_cluster_is_told(monkeypatch) -> None:
-    monkeypatch.setattr(cluster_module, "CONNECT_S", 0.3)
-    with pytest.raises(ClusterFailed, match="the cluster at tcp://127"):
+def test_what_is_no_cluster_is_told() -> None:
+    soon = dask.config.set({"distributed.comm.timeouts.connect": "0.3s"})
+    with soon, pytest.raises(ClusterFailed, match="the cluster at tcp://127"):
         sn.sweep(PAPER, VISCOUS, **AXES, scheduler="tcp://127.0.0.1:9")
 
 
