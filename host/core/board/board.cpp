@@ -1,4 +1,4 @@
-// See board.hpp.
+// Construction, start and readings of the board of board.hpp.
 #include "board/board.hpp"
 
 #include <stdexcept>
@@ -20,7 +20,7 @@ Board::Board(std::uint64_t start_us, int joints)
                                 std::to_string(firmware::kMaxJoints));
 }
 
-firmware::VirtualBoard& Board::enter() {
+firmware::VirtualBoard& Board::activate() {
     firmware::joint_count = joints_;
     return board_;
 }
@@ -28,7 +28,7 @@ firmware::VirtualBoard& Board::enter() {
 void Board::boot(const std::string& reset, std::uint32_t first_frame) {
     using firmware::Reset;
     for (const Reset r : {Reset::Power, Reset::Brownout, Reset::External, Reset::Watchdog})
-        if (reset == firmware::reset_name(r)) return enter().boot(r, first_frame);
+        if (reset == firmware::reset_name(r)) return activate().boot(r, first_frame);
     throw std::invalid_argument("reset is '" + reset +
                                 "'; it must be power, brownout, external or watchdog");
 }

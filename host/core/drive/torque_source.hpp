@@ -25,7 +25,7 @@ class TorqueSource {
     virtual void torques(double t, const Chain& chain, double* T) = 0;
     virtual double next_jump(double) const { return std::numeric_limits<double>::infinity(); }
     // A jump has been reached, with the chain as it is.
-    virtual void enter(double, const Chain&) {}
+    virtual void handle_jump(double, const Chain&) {}
 };
 
 class FunctionTorque final : public TorqueSource {
@@ -80,7 +80,7 @@ class ServoTorque final : public TorqueSource {
         const double frame = next_start(t, servo_.frame);
         return holds_duty() ? std::min(frame, next_start(t, update_)) : frame;
     }
-    void enter(double t, const Chain& k) override {
+    void handle_jump(double t, const Chain& k) override {
         gait_.setpoints(index(t, servo_.frame), setpoint_.data(), setpoint_.size());
         // a frame between two updates changes nothing yet
         if (holds_duty() &&

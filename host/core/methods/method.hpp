@@ -1,4 +1,4 @@
-// A way to step a system in time; one file a method.
+// Interface of the time integration methods; each method has its own file.
 #pragma once
 
 #include <limits>
@@ -9,32 +9,32 @@ namespace serpenoid {
 
 struct StepOutcome {
     bool ok = true;
-    const char* why = "";  // short cause, for the error message
+    const char* why = "";  // short cause of a failure, for the error message
 };
 
 class Method {
   public:
     virtual ~Method() = default;
 
-    // Begin at t, and again behind every jump of the system.
+    // Start from the state y at time t; called at the beginning and after every jump of the system.
     virtual void restart(double t, const double* y) = 0;
 
-    // One step, never beyond the limit.
+    // Take one step that ends at the limit or before it.
     virtual StepOutcome step(double t_limit) = 0;
     virtual double time() const = 0;
     virtual const double* state() const = 0;
 
-    // The state at a time within the last step, and its order. A method without dense output (0) is
-    // asked for the ends of its steps only: it is never stepped over a time that is recorded.
+    // Dense output: the state at a time t within the last step, and the order of its error. A
+    // method of order 0 has no dense output: its steps end at every output time, and t is always
+    // such an end.
     virtual int dense_order() const { return 0; }
     virtual void dense(double t, double* y) const = 0;
 
-    // Put into the chain and the joints, at the present state, the forces that the method finds and
-    // the system does not know: friction that is set-valued. The chain is filled, and has its
-    // rates.
-    virtual void give_forces(System&) {}
+    // Add set-valued friction to the forces of the chain at the present state, if the method and
+    // not the system computes it. Requires a chain with velocities and accelerations.
+    virtual void add_friction(System&) {}
 
-    // Estimated error of the last step, in the scale of its tolerance; NaN: not known.
+    // Estimated error of the last step, in the unit of the tolerance; NaN if the method has none.
     virtual double local_error() const { return std::numeric_limits<double>::quiet_NaN(); }
 };
 

@@ -16,7 +16,7 @@ class PaperScheme : public Rk4 {
     void advance(double t, double dt, double* y) override {
         next_.assign(y, y + system_.dim());
         Rk4::advance(t, dt, y);
-        system_.fill(t, next_.data());
+        system_.fill_chain(t, next_.data());
         system_.latch();
     }
 

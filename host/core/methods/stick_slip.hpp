@@ -1,19 +1,22 @@
-// Nonsmooth steps of the implicit model: exact sticking, wheel by wheel, order 2.
+// Nonsmooth method of order 2 for the implicit model: every wheel sticks exactly.
 //
-// Each link of that model is a body of its own, so the speed v of a wheel along or across it has a
-// scalar equation  v' = g - kappa v - mu sgn v,  kappa = c/m, mu = F0/m (along a ratchet other ones
-// backwards), where g is all that is not friction (the turning of the direction itself included).
-// With g held over a step it is solved exactly, rest and reversal too: a wheel at rest stays there
-// while -mu <= g <= mu. A plain step, of order 1: springs, dampers and drives kick the rates;
-// angles move with the new ones; wheels slide along the directions at the end; places follow.
+// Each link of that model is a separate body, so the speed v of a wheel along or across its link
+// obeys a scalar equation  v' = g - kappa v - mu sgn v,  kappa = c/m, mu = F0/m (a ratchet has
+// other values backwards). g is the acceleration without friction, including the turning of the
+// direction. With a constant g over a step this has an exact solution, including rest and reversal:
+// a wheel at rest stays at rest while -mu <= g <= mu.
 //
-// A step of the method is two plain ones of half its length and a whole one, extrapolated:
-// 2 y(h/2) - y(h), velocities along and across the links, where what rests in both rests exactly.
-// Where they disagree whether a wheel rests, or which way it goes, the halves count (an error of
-// h^2, in the few steps in which a wheel changes its mode).
+// A plain step has order 1. First, springs, dampers and drives change the rates. Then the new rates
+// change the angles, friction changes the speeds along the directions at the end of the step, and
+// the new velocities change the positions.
 //
-// An energy ledger behind the state knows a system without friction: its heat is booked here, the
-// impulse of friction over a plain step times the mean speed.
+// A step of the method extrapolates two plain steps of length h/2 and one of length h: 2 y(h/2) -
+// y(h), for velocities along and across the links, so that a wheel that rests in both rests
+// exactly. If they disagree whether a wheel rests, or in its direction, the result of the half
+// steps is taken; this error of h^2 occurs in the few steps in which a wheel changes its mode.
+//
+// The system has no friction, so the heat in its energy ledger is added here: the impulse of
+// friction over a plain step times the mean speed.
 #pragma once
 
 #include <algorithm>
@@ -27,59 +30,61 @@
 
 namespace serpenoid {
 
-// One direction of all wheels over a step of h seconds; the friction may differ by the way they go.
+// The exact solution for one direction, along or across, of all wheels over a step of h seconds.
 class Slide {
   public:
     struct Friction {
-        double kappa, mu, reach;
+        double kappa, mu, decay_time;  // 1/s, m/s^2, s
     };
 
     Slide(const WheelLaw& law, double m, double h)
         : h_(h), forward_(friction_of(law, 1, m)), backward_(friction_of(law, -1, m)) {}
 
-    // Speed at the end from that at the start.
+    // The speed at the end of the step, from the speed v at its start.
     double operator()(double v, double g) const {
         double time = h_;
         if (v != 0) {
-            const Friction& w = going(v);
-            const double speed = std::fabs(v), brake = w.mu - std::copysign(1.0, v) * g;
-            const double end = speed - (w.kappa * speed + brake) * w.reach;
+            const Friction& side = side_of(v);
+            const double speed = std::fabs(v), brake = side.mu - std::copysign(1.0, v) * g;
+            const double end = speed - (side.kappa * speed + brake) * side.decay_time;
             if (end >= 0) return std::copysign(end, v);
-            time -= w.kappa > 0 ? std::log1p(w.kappa * speed / brake) / w.kappa : speed / brake;
+            time -= side.kappa > 0 ? std::log1p(side.kappa * speed / brake) / side.kappa
+                                   : speed / brake;
         }
-        const Friction& w = going(g);
-        if (std::fabs(g) <= w.mu) return 0;
-        return (g - std::copysign(w.mu, g)) * reach(w.kappa, time);
+        const Friction& side = side_of(g);
+        if (std::fabs(g) <= side.mu) return 0;
+        return (g - std::copysign(side.mu, g)) * decay_time(side.kappa, time);
     }
 
-    // A step from its two halves' result and the whole one's.
+    // The speed from those after two half steps and after a single step.
     double extrapolate(double halves, double single) const {
         const double extrapolated = 2 * halves - single;
         const bool same = halves * single > 0 && halves * extrapolated > 0;
         return (forward_.mu == 0 && backward_.mu == 0) || same ? extrapolated : halves;
     }
 
-    // Acceleration by friction at a speed; a wheel at rest takes g up as far as it can.
+    // Acceleration by friction at speed v; at rest friction balances g up to its bound.
     double friction(double v, double g, bool rests) const {
         if (rests) return -std::clamp(g, -backward_.mu, forward_.mu);
-        const Friction& w = going(v);
-        return -(w.kappa * v + std::copysign(w.mu, v));
+        const Friction& side = side_of(v);
+        return -(side.kappa * v + std::copysign(side.mu, v));
     }
 
   private:
-    const Friction& going(double v) const { return v < 0 ? backward_ : forward_; }
+    const Friction& side_of(double v) const { return v < 0 ? backward_ : forward_; }
     Friction friction_of(const WheelLaw& law, double direction, double m) const {
         const double kappa = law.viscous(direction) / m;
-        return {kappa, law.dry(direction) / m, reach(kappa, h_)};
+        return {kappa, law.dry(direction) / m, decay_time(kappa, h_)};
     }
-    static double reach(double kappa, double t) {
+    // The integral of exp(-kappa t) from 0 to t.
+    static double decay_time(double kappa, double t) {
         return kappa > 0 ? -std::expm1(-kappa * t) / kappa : t;
     }
     double h_;
     Friction forward_, backward_;
 };
 
-// The system is an implicit one without friction; its state starts with the centres.
+// The method; its system is an implicit one without friction, whose state begins with the centres.
 class StickSlip : public FixedStep {
   public:
     StickSlip(System& frictionless, const Robot& robot, const Ground& ground, double dt)
@@ -90,9 +95,9 @@ class StickSlip : public FixedStep {
           single_(frictionless.dim()),
           single_speed_(2 * robot.n),
           halves_speed_(2 * robot.n),
-          centre_(robot.n) {}
+          start_chain_(robot.n) {}
 
-    void give_forces(System& system) override {
+    void add_friction(System& system) override {
         Chain& k = system.chain();
         double fastest = 0;
         for (int i = 0; i < robot_.n; ++i)
@@ -113,19 +118,19 @@ class StickSlip : public FixedStep {
   protected:
     void advance(double t, double dt, double* y) override {
         single_.assign(y, y + single_.size());
-        plain(t, dt, single_.data(), single_speed_);
-        plain(t, dt / 2, y, halves_speed_);
-        plain(t + dt / 2, dt / 2, y, halves_speed_);
+        plain_step(t, dt, single_.data(), single_speed_);
+        plain_step(t, dt / 2, y, halves_speed_);
+        plain_step(t + dt / 2, dt / 2, y, halves_speed_);
         for (std::size_t i = 0; i < single_.size(); ++i) y[i] = 2 * y[i] - single_[i];
-        if (!ground_.dry()) return;  // nothing rests, and momentum is kept as the frame keeps it
-        system_.fill(t + dt, y);
+        if (!ground_.dry()) return;  // no wheel rests, and this extrapolation conserves momentum
+        system_.fill_chain(t + dt, y);
         Chain& k = system_.chain();
         const Slide along_slide = along(dt), across_slide = across(dt);
         for (int i = 0; i < robot_.n; ++i)
             set_velocity(
                 k, i, along_slide.extrapolate(halves_speed_[2 * i], single_speed_[2 * i]),
                 across_slide.extrapolate(halves_speed_[2 * i + 1], single_speed_[2 * i + 1]));
-        set_centres(y);
+        write_chain(y);
     }
 
   private:
@@ -139,15 +144,15 @@ class StickSlip : public FixedStep {
         k.vx[i] = k.c[i] * vt - k.s[i] * vn;
         k.vy[i] = k.s[i] * vt + k.c[i] * vn;
     }
-    // The state of the chain; what is integrated beside it stays.
-    void set_centres(double* y) {
-        const int beside = 2 * system_.coordinates();
-        const std::vector<double> integrals(y + beside, y + system_.dim());
-        system_.set(system_.chain(), y);
-        std::copy(integrals.begin(), integrals.end(), y + beside);
+    // Write the state of the chain, and keep the integrals that follow it in y.
+    void write_chain(double* y) {
+        const int motion_size = 2 * system_.coordinates();
+        const std::vector<double> integrals(y + motion_size, y + system_.dim());
+        system_.write_state(system_.chain(), y);
+        std::copy(integrals.begin(), integrals.end(), y + motion_size);
     }
 
-    void plain(double t, double h, double* y, std::vector<double>& speed) {
+    void plain_step(double t, double h, double* y, std::vector<double>& speed) {
         const int n = robot_.n, m = system_.coordinates();
         const Slide along_slide = along(h), across_slide = across(h);
         Chain& k = system_.chain();
@@ -158,32 +163,32 @@ class StickSlip : public FixedStep {
         }
         for (std::size_t i = m; i < dy_.size(); ++i) y[i] += h * dy_[i];
         for (int i = system_.lengths(); i < m; ++i) y[i] += h * y[m + i];
-        centre_ = k;
-        system_.fill(t + h, y);  // the directions at the end of the step
+        start_chain_ = k;
+        system_.fill_chain(t + h, y);  // the directions at the end of the step
         double heat = 0;
-        const auto slide = [&](const Slide& slide_by, double& v, double kicked) {
+        const auto slow_down = [&](const Slide& slide, double& v, double frictionless) {
             const double old_speed = v;
-            v = slide_by(old_speed, (kicked - old_speed) / h);
-            heat += robot_.m * (kicked - v) * (old_speed + v) / 2;
+            v = slide(old_speed, (frictionless - old_speed) / h);
+            heat += robot_.m * (frictionless - v) * (old_speed + v) / 2;
         };
         for (int i = 0; i < n; ++i) {
             double &vt = speed[2 * i], &vn = speed[2 * i + 1];
-            k.vx[i] = centre_.vx[i] + h * centre_.ax[i];
-            k.vy[i] = centre_.vy[i] + h * centre_.ay[i];
-            slide(along_slide, vt, speed_t(k, i));
-            slide(across_slide, vn, speed_n(k, i));
+            k.vx[i] = start_chain_.vx[i] + h * start_chain_.ax[i];
+            k.vy[i] = start_chain_.vy[i] + h * start_chain_.ay[i];
+            slow_down(along_slide, vt, speed_t(k, i));
+            slow_down(across_slide, vn, speed_n(k, i));
             set_velocity(k, i, vt, vn);
-            k.x[i] = centre_.x[i] + h * k.vx[i];
-            k.y[i] = centre_.y[i] + h * k.vy[i];
+            k.x[i] = start_chain_.x[i] + h * k.vx[i];
+            k.y[i] = start_chain_.y[i] + h * k.vy[i];
         }
-        set_centres(y);
+        write_chain(y);
         if (system_.ledger()) y[2 * m + EnergyLedger::kHeat] += heat;
     }
 
     Robot robot_;
     Ground ground_;
     std::vector<double> dy_, single_, single_speed_, halves_speed_;
-    Chain centre_;  // at the start of a plain step
+    Chain start_chain_;  // the chain at the start of a plain step
 };
 
 }  // namespace serpenoid

@@ -1,4 +1,4 @@
-// The gait formula (Eq. 57) in double precision: the reference that the firmware is held to.
+// The gait formula (Eq. 57) in double precision; tests compare the firmware with it.
 #pragma once
 
 #include <cmath>
@@ -8,24 +8,25 @@
 
 namespace serpenoid {
 
-// The gait at one time: angle, rate and second derivative of every joint. A view of a GaitTable.
+// Angle, rate and acceleration of every joint at one time. It refers to the arrays of a GaitTable.
 struct GaitWave {
-    double sin_a, cos_a;      // alpha sin(omega t), alpha cos(omega t)
-    double sin_w, cos_w;      // omega times these
-    double offset, minus_ww;  // -omega^2
-    const double *cos, *sin;  // of i beta + shift_i, times gain_i
+    double angle_sin, angle_cos;  // alpha sin(omega t), alpha cos(omega t), rad
+    double rate_sin, rate_cos;    // alpha omega sin(omega t), alpha omega cos(omega t), rad/s
+    double offset;                // rad
+    double minus_omega_squared;   // 1/s^2
+    const double *cos, *sin;      // gain_i cos(i beta + shift_i), gain_i sin(i beta + shift_i)
     struct Joint {
-        double angle, rate, acceleration;  // phi, phi', phi'' by time
+        double angle, rate, acceleration;  // phi, dphi/dt, d2phi/dt2; rad, s
     };
     INLINED Joint joint(int i) const {
-        const double swing = sin_a * cos[i] + cos_a * sin[i];
-        return {offset + swing, cos_w * cos[i] - sin_w * sin[i], minus_ww * swing};
+        const double swing = angle_sin * cos[i] + angle_cos * sin[i];
+        return {offset + swing, rate_cos * cos[i] - rate_sin * sin[i], minus_omega_squared * swing};
     }
 };
 
 // phi_i and its first two derivatives by the phase tau = omega t, for joints 0..n-2.
-// sin(tau + i beta) = sin tau cos(i beta) + cos tau sin(i beta), so a time costs one sine pair;
-// a joint with a gain or a shift of its own (Gait) has them in its cosine and sine.
+// sin(tau + i beta) = sin tau cos(i beta) + cos tau sin(i beta): the table holds the factors of the
+// joints, so that one time needs one sine and one cosine. The factors include gain_i and shift_i.
 class GaitTable {
   public:
     GaitTable(int links, const Gait& g) : alpha_(g.alpha), offset_(g.offset) {
@@ -43,7 +44,7 @@ class GaitTable {
     };
     using Joint = JointOf<double>;
 
-    // At one phase, or a pack of them.
+    // Joint i at one phase, or at a pack of phases.
     template <class Real>
     JointOf<Real> joint(int i, Real sin_tau, Real cos_tau) const {
         const Real s = alpha_ * (sin_tau * cos_[i] + cos_tau * sin_[i]);
@@ -59,11 +60,11 @@ class GaitTable {
         return {s, c, omega * s, omega * c, offset_, -omega * omega, cos_.data(), sin_.data()};
     }
 
-    // gain_i cos(i beta + shift_i), and the sine.
+    // gain_i cos(i beta + shift_i), gain_i sin(i beta + shift_i)
     double cosine(int i) const { return cos_[i]; }
     double sine(int i) const { return sin_[i]; }
 
-    // The angle a for which the i-th joint's swing is a positive factor times alpha sin(tau + a).
+    // Phase lead of joint i, rad: its swing is |gain_i| alpha sin(tau + lag).
     double lag(int i) const { return std::atan2(sin_[i], cos_[i]); }
 
     int joints() const { return static_cast<int>(cos_.size()); }

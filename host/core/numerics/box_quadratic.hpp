@@ -1,11 +1,12 @@
-// Minimum of a convex quadratic over a box: forces that hold a body at rest, each within its bound.
+// Minimum of a convex quadratic over a box; used for forces of contacts at rest, each with a bound.
 //
 //     minimise  1/2 z.A z + b.z  over |z_i| <= 1,     A symmetric, positive semidefinite.
 //
-// A is singular when more contacts hold than are needed. The smallest solution is then taken, which
-// spreads the load. Active-set method: some z are fixed at their bounds. Move towards the minimum
-// over the others as far as the box allows; a z that reaches its bound is fixed. At the minimum,
-// free the bound with the largest inward gradient. The value falls at every move.
+// A is singular if there are more contacts than equations of rest. Then the solution of least norm
+// is taken, which spreads the load. Active-set method: some z_i are fixed at their bounds. Move
+// towards the minimum over the free z_i, as far as the box allows, and fix the z_i that reaches its
+// bound. At the minimum, free the fixed z_i with the largest gradient into the box. The objective
+// falls at every move.
 #pragma once
 
 #include <vector>
@@ -14,11 +15,12 @@ namespace serpenoid {
 
 class BoxQuadratic {
   public:
-    // A by rows; z is where to start, and then the minimum. False when rounding makes it cycle.
+    // A is given by rows. z holds the starting point, then the minimum. Returns false if rounding
+    // errors make the method cycle.
     bool minimise(const std::vector<double>& A, const std::vector<double>& b,
                   std::vector<double>& z);
 
-    // The smallest z of those that minimise without any bounds.
+    // The z of least norm among those that minimise the quadratic without bounds.
     void minimise_free(const std::vector<double>& A, const std::vector<double>& b,
                        std::vector<double>& z);
 

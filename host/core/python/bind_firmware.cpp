@@ -67,7 +67,7 @@ void set_eeprom(Board& board, nb::bytes data) {
                                     std::to_string(data.size()));
     }
     const uint8_t* const bytes = reinterpret_cast<const uint8_t*>(data.c_str());
-    board.enter().eeprom().assign(bytes, bytes + data.size());
+    board.activate().eeprom().assign(bytes, bytes + data.size());
 }
 
 uint64_t microseconds(double seconds) {
@@ -91,26 +91,26 @@ void bind_board(nb::module_& m) {
             [](Board& b, double seconds) {
                 const uint64_t duration_us = microseconds(seconds);
                 nb::gil_scoped_release release;
-                b.enter().run(duration_us);
+                b.activate().run(duration_us);
             },
             "seconds"_a, "Let so much of the board's time pass.")
         .def(
-            "stall", [](Board& b, double seconds) { b.enter().stall(microseconds(seconds)); },
+            "stall", [](Board& b, double seconds) { b.activate().stall(microseconds(seconds)); },
             "seconds"_a, "Let time pass without the programme running.")
         .def(
-            "write", [](Board& b, nb::bytes data) { b.enter().put(text(data)); }, "data"_a,
+            "write", [](Board& b, nb::bytes data) { b.activate().put(text(data)); }, "data"_a,
             "Put bytes on the wire to the board.")
         .def(
             "read",
             [](Board& b) {
-                const std::string bytes = b.enter().take();
+                const std::string bytes = b.activate().take();
                 return nb::bytes(bytes.data(), bytes.size());
             },
             "Return all bytes that have arrived from the board since the last call.")
         .def_prop_rw(
             "eeprom",
             [](Board& b) {
-                const std::vector<uint8_t>& bytes = b.enter().eeprom();
+                const std::vector<uint8_t>& bytes = b.activate().eeprom();
                 return nb::bytes(bytes.data(), bytes.size());
             },
             &set_eeprom, "All 1024 bytes; change them while it is not running.")

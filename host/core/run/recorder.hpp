@@ -19,8 +19,8 @@ class Recorder {
 
     void note(double t, const double* y, RunResult& result) {
         const bool forces = request_.record_joints || request_.record_friction;
-        forces ? system_.forces(t, y) : system_.fill(t, y);
-        if (forces) method_.give_forces(system_);
+        forces ? system_.forces(t, y) : system_.fill_chain(t, y);
+        if (forces) method_.add_friction(system_);
         const Chain& c = system_.chain();
         result.t.push_back(t);
         append(result.x, c.x);

@@ -46,8 +46,8 @@ class Run {
           due_(recorded(1)) {}
 
     RunResult run() {
-        system_.set(start_chain(request_), y_.data());
-        system_.fill(0, y_.data());
+        system_.write_state(start_chain(request_), y_.data());
+        system_.fill_chain(0, y_.data());
         system_.latch();
         begin(0);
         recorder_.note(0, y_.data(), result_);
@@ -63,7 +63,7 @@ class Run {
 
   private:
     void begin(double t) {
-        system_.enter(t, y_.data());
+        system_.handle_jump(t, y_.data());
         method_.restart(t, y_.data());
     }
     void smooth_part(double stop) {

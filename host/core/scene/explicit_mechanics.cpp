@@ -1,4 +1,4 @@
-// The exact model, one class for each way to drive the joints.
+// Mechanics of the explicit model: one class for imposed angles, one for all other drives.
 #include <algorithm>
 
 #include "model/explicit_model.hpp"
@@ -8,17 +8,17 @@ namespace serpenoid {
 
 namespace {
 
-// All angles imposed. Coordinates: x, y, theta of link 1.
+// All joint angles are imposed. Coordinates: x, y, theta of link 1.
 class ExplicitAngle final : public Mechanics {
   public:
     ExplicitAngle(const RunRequest& request, const Ground& ground)
         : Mechanics(request, ground, 2, 1), drive(request.robot.n, request.gait) {}
 
-    void set(const Chain& c, double* y) const override {
+    void write_state(const Chain& c, double* y) const override {
         const double state[6] = {c.x[0], c.y[0], c.theta[0], c.vx[0], c.vy[0], c.omega[0]};
         std::copy_n(state, 6, y);
     }
-    void fill(double t, const double* y) override {
+    void fill_chain(double t, const double* y) override {
         drive.place(t, y[2], y[5], chain);
         chain.x[0] = y[0];
         chain.y[0] = y[1];
@@ -27,11 +27,11 @@ class ExplicitAngle final : public Mechanics {
         chain.follow(robot.l);
     }
     void load(double t, const double* y) override {
-        fill(t, y);
+        fill_chain(t, y);
         chain.apply_ground(ground, robot.m * slope.gx, robot.m * slope.gy);
     }
     void accelerate() override { explicit_angle(robot, drive.joint_accel(), chain); }
-    void recover() override { joint_forces(robot, chain, joints); }
+    void find_joint_forces() override { joint_forces(robot, chain, joints); }
     void rate(double t, const double* y, double* dy) override {
         load(t, y);
         const TailMotion tail = tail_motion(robot, drive.joint_accel(), chain);
@@ -52,8 +52,8 @@ class ExplicitAngle final : public Mechanics {
     GaitDrive drive;
 };
 
-// Some angles imposed, some torques given, or all of one kind. Coordinates: x, y, theta of link 1,
-// the free joints' angles.
+// Some joints have an imposed angle, the others a torque; there may be only one of these kinds.
+// Coordinates: x, y, theta of link 1, the angles of the joints with a torque.
 class ExplicitMixed final : public Mechanics {
   public:
     ExplicitMixed(const RunRequest& request, const Ground& ground, MixedDrive joint_drive,
@@ -62,15 +62,15 @@ class ExplicitMixed final : public Mechanics {
           drive(std::move(joint_drive)),
           source(std::move(torques)) {}
 
-    void set(const Chain& c, double* y) const override {
-        const double place[3] = {c.x[0], c.y[0], c.theta[0]};
+    void write_state(const Chain& c, double* y) const override {
+        const double position[3] = {c.x[0], c.y[0], c.theta[0]};
         const double rate[3] = {c.vx[0], c.vy[0], c.omega[0]};
-        std::copy_n(place, 3, y);
+        std::copy_n(position, 3, y);
         std::copy_n(rate, 3, y + coordinates);
         drive.free_angles(c.theta, y + 3);
         drive.free_angles(c.omega, y + coordinates + 3);
     }
-    void fill(double t, const double* y) override {
+    void fill_chain(double t, const double* y) override {
         const double* rate = y + coordinates;
         drive.place(t, y[2], rate[2], y + 3, rate + 3, chain);
         chain.x[0] = y[0];
@@ -80,7 +80,7 @@ class ExplicitMixed final : public Mechanics {
         chain.follow(robot.l);
     }
     void load(double t, const double* y) override {
-        fill(t, y);
+        fill_chain(t, y);
         chain.apply_ground(ground, robot.m * slope.gx, robot.m * slope.gy);
         source->torques(t, chain, driven.data());
         drive.limp(driven.data());
@@ -98,9 +98,9 @@ class ExplicitMixed final : public Mechanics {
         drive.free_angles(chain.alpha, accel + 3);
     }
     double next_jump(double t) const override { return source->next_jump(t); }
-    void enter(double t, const double* y) override {
-        fill(t, y);
-        source->enter(t, chain);
+    void handle_jump(double t, const double* y) override {
+        fill_chain(t, y);
+        source->handle_jump(t, chain);
     }
 
   private:

@@ -32,7 +32,7 @@ class ImplicitMechanics final : public Mechanics {
         gaps.resize(request.robot.n - 1);
     }
 
-    void set(const Chain& c, double* y) const override {
+    void write_state(const Chain& c, double* y) const override {
         const int n = robot.n;
         double* rate = y + coordinates;
         y[0] = mean(c.x);
@@ -52,14 +52,14 @@ class ImplicitMechanics final : public Mechanics {
         drive.free_angles(c.theta, angle + 1);
         drive.free_angles(c.omega, angle + coordinates + 1);
     }
-    void fill(double t, const double* y) override {
+    void fill_chain(double t, const double* y) override {
         const double* angle = y + lengths;
         const double* rate = angle + coordinates;
         drive.place(t, angle[0], rate[0], angle + 1, rate + 1, chain);
         fill_lengths(y);
     }
     void load(double t, const double* y) override {
-        fill(t, y);
+        fill_chain(t, y);
         chain.apply_ground(ground, robot.m * slope.gx, robot.m * slope.gy);
         spring_forces(spring, damper, gaps, joints);
         source->torques(t, chain, driven.data());
@@ -91,9 +91,9 @@ class ImplicitMechanics final : public Mechanics {
         drive.free_angles(k.alpha, accel + lengths + 1);
     }
     double next_jump(double t) const override { return source->next_jump(t); }
-    void enter(double t, const double* y) override {
-        fill(t, y);
-        source->enter(t, chain);
+    void handle_jump(double t, const double* y) override {
+        fill_chain(t, y);
+        source->handle_jump(t, chain);
     }
     void latch() override { damper.latch(gaps); }
     std::unique_ptr<StepEquations> step_equations() override;
@@ -254,7 +254,7 @@ class SpringEquations final : public StepEquations {
                 k.vy[i] = forces[parts * (place(i) + 1) + part];
                 k.omega[i] = forces[parts * angle(i) + part];
             }
-            mechanics_.set(k, rates_.data());
+            mechanics_.write_state(k, rates_.data());
             for (int i = 0; i < count; ++i) numbers[parts * i + part] = rates_[count + i];
         }
     }

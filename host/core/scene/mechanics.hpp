@@ -28,20 +28,21 @@ class Mechanics {
           slope(request.slope) {}
     virtual ~Mechanics() = default;
 
-    // The state of a chain, and the chain (places, angles, velocities, directions) of a state.
-    virtual void set(const Chain& source, double* y) const = 0;
-    virtual void fill(double t, const double* y) = 0;
+    // Write the state of a chain; fill the chain (positions, angles, velocities, directions) from a
+    // state.
+    virtual void write_state(const Chain& source, double* y) const = 0;
+    virtual void fill_chain(double t, const double* y) = 0;
 
-    // The forces of a state in three parts. load: fill the chain, the ground's forces and the
-    // driving torques. accelerate: accelerations from the forces in the chain. recover: the joint
-    // forces, where these accelerations did not take them.
+    // The forces of a state in three parts. load: the chain, the ground's forces and the driving
+    // torques. accelerate: accelerations from these forces. find_joint_forces: the forces at the
+    // joints, if accelerate has not found them.
     virtual void load(double t, const double* y) = 0;
     virtual void accelerate() = 0;
-    virtual void recover() {}
-    // dy/dt by the accelerations that stand in the chain.
+    virtual void find_joint_forces() {}
+    // dy/dt from the accelerations that the chain holds.
     virtual void derivative(const double* y, double* dy) const = 0;
 
-    // dy/dt, and no more than that takes; whether it has done what forces() does.
+    // dy/dt alone, at the least cost; whether this also does all that forces() does.
     virtual void rate(double t, const double* y, double* dy) {
         forces(t, y);
         derivative(y, dy);
@@ -50,36 +51,36 @@ class Mechanics {
     void forces(double t, const double* y) {
         load(t, y);
         accelerate();
-        recover();
+        find_joint_forces();
     }
 
-    // The next jump of the drive after t, and what to do when it is reached.
+    // The time of the drive's next jump after t; handle_jump is called at that time.
     virtual double next_jump(double) const { return std::numeric_limits<double>::infinity(); }
-    virtual void enter(double, const double*) {}
-    // The paper's scheme: keep the rates of the gaps as they are, for the dampers of the next step.
+    virtual void handle_jump(double, const double*) {}
+    // For the paper's scheme: store the rates of the gaps for the dampers of the next step.
     virtual void latch() {}
-    // The equations of an implicit step where these mechanics know better than a dense matrix.
+    // The equations of an implicit step, if these mechanics have cheaper ones than a dense matrix.
     virtual std::unique_ptr<StepEquations> step_equations() { return nullptr; }
 
     Robot robot;
     Chain chain;
     Joints joints;
     std::vector<double> driven;  // torques of the free joints, by load()
-    std::vector<Gap> gaps;       // of the joints; none where these are pins
+    std::vector<Gap> gaps;       // gaps of the joints; none if the joints are pins
     const int lengths, coordinates;
 
     const Ground ground;
     const Slope slope;
 };
 
-// With this ground instead of the request's, and servos whose gears have this friction, N m.
+// Mechanics of a request, but with this ground, and with servos of this gear friction, N m.
 std::unique_ptr<Mechanics> make_explicit(const RunRequest& request, const Ground& ground,
                                          double gear_friction);
 std::unique_ptr<Mechanics> make_implicit(const RunRequest& request, const Ground& ground,
                                          double gear_friction);
 std::unique_ptr<TorqueSource> make_torques(const RunRequest& request, double gear_friction);
 
-// Whether any joint is not imposed: driven by a torque, limp or locked.
+// Whether any joint is driven by a torque, limp or locked.
 inline bool mixed(const RunRequest& request) {
     return request.drive != Drive::angle || !request.faults.empty();
 }

@@ -144,7 +144,7 @@ void Sticking::find_shares(double t, const double* y) {
 void Sticking::forces(double t, const double* y) {
     find_shares(t, y);
     if (!resting_.empty()) hold(resting_);
-    mechanics_.recover();
+    mechanics_.find_joint_forces();
 }
 
 // Impulses that leave no speed: the response to a force for a second is that to its impulse.
@@ -163,11 +163,11 @@ void Sticking::put_to_rest(const std::vector<int>& which, double* y) {
         chain_.vy[i] += chain_.ay[i] - ay[i];
         chain_.omega[i] += chain_.alpha[i] - alpha[i];
     }
-    mechanics_.set(chain_, y);
+    mechanics_.write_state(chain_, y);
 }
 
 void Sticking::find(double t, double* y) {
-    mechanics_.fill(t, y);
+    mechanics_.fill_chain(t, y);
     std::vector<int> slow;
     std::vector<double> share;
     std::vector<int> went;  // which way before
@@ -220,7 +220,7 @@ double Sticking::excess(const std::vector<double>& share, std::size_t i) const {
 }
 
 void Sticking::margins(double t, const double* y, std::vector<double>& margin) {
-    resting_.empty() ? mechanics_.fill(t, y) : find_shares(t, y);
+    resting_.empty() ? mechanics_.fill_chain(t, y) : find_shares(t, y);
     margin.assign(contacts_.size(), 0.0);
     for (std::size_t w = 0; w < contacts_.size(); ++w)
         if (contacts_[w].sign != 0)
@@ -252,7 +252,7 @@ bool Sticking::others_hold() {
 }
 
 bool Sticking::creeps(double t, const double* y) {
-    mechanics_.fill(t, y);
+    mechanics_.fill_chain(t, y);
     return std::any_of(resting_.begin(), resting_.end(),
                        [&](int w) { return std::fabs(speed(contacts_[w])) > kCreep * at_rest_; });
 }

@@ -33,8 +33,8 @@ System::System(const RunRequest& request) {
     }
 }
 
-void System::set(const Chain& source, double* y) const {
-    mechanics_->set(source, y);
+void System::write_state(const Chain& source, double* y) const {
+    mechanics_->write_state(source, y);
     std::fill(y + 2 * coordinates(), y + dim(), 0.0);
 }
 

@@ -1,7 +1,7 @@
 // What a scene moves, as a system of first order y' = rate(t, y); methods see no more than this.
 //
-// Mechanics, and two optional parts: contacts that stick and slip, and the ledger of energy. The
-// state is that of the mechanics, and behind it the ledger's integrals.
+// It consists of mechanics and two optional parts: contacts that stick and slip, and the energy
+// ledger. The state is that of the mechanics, followed by the ledger's integrals.
 #pragma once
 
 #include <memory>
@@ -19,24 +19,24 @@ class System {
     explicit System(const RunRequest& request);
 
     int coordinates() const { return mechanics_->coordinates; }
-    int lengths() const { return mechanics_->lengths; }  // of the coordinates, the first ones
+    int lengths() const { return mechanics_->lengths; }  // number of the coordinates in metres
     int dim() const { return 2 * coordinates() + (ledger_ ? EnergyLedger::kIntegrals : 0); }
 
-    void set(const Chain& source, double* y) const;
-    void fill(double t, const double* y) { mechanics_->fill(t, y); }
+    void write_state(const Chain& source, double* y) const;
+    void fill_chain(double t, const double* y) { mechanics_->fill_chain(t, y); }
 
-    // dy/dt, and no more than that takes.
+    // dy/dt alone, at the least cost.
     void rate(double t, const double* y, double* dy) {
         if (!sticking_ && !ledger_) return mechanics_->rate(t, y, dy);
         rate_with_parts(t, y, dy);
     }
-    // The chain with its accelerations and the forces of the ground, and the joints, for a record.
+    // Fill the chain with accelerations and ground forces, and the joints, for a record.
     void forces(double t, const double* y);
 
-    // Some drives jump (setpoints, tables). The next jump after t, and what to do when it is
-    // reached: the motion between two jumps is smooth.
+    // The time of the next jump after t of a drive by setpoints or a table; handle_jump is called
+    // at that time. The motion between two jumps is smooth.
     double next_jump(double t) const { return mechanics_->next_jump(t); }
-    void enter(double t, const double* y) { mechanics_->enter(t, y); }
+    void handle_jump(double t, const double* y) { mechanics_->handle_jump(t, y); }
     void latch() { mechanics_->latch(); }
     std::unique_ptr<StepEquations> step_equations() { return mechanics_->step_equations(); }
 
@@ -47,7 +47,7 @@ class System {
 
     // P_i = -T_i phi_i' of every joint, W.
     void powers(double t, const double* y, std::vector<double>& power);
-    // One row of the ledger; the chain has been filled from y.
+    // Write one row of the ledger; requires a chain filled from y.
     void ledger_row(const double* y, double* row) const {
         ledger_->row(*mechanics_, y + 2 * coordinates(), row);
     }
