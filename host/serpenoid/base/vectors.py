@@ -21,9 +21,10 @@ def number_array(name: str, values: ArrayLike) -> Array:
     """
     try:
         array = np.asarray(values)
-        objects = array.flat if array.dtype.kind == "O" else ()
+        kind = array.dtype.kind
+        objects = array.flat if kind == "O" else ()
         is_text = any(value is None or isinstance(value, (str, bytes, bool)) for value in objects)
-        if array.dtype.kind in "iufO" and not is_text:
+        if kind in "iufO" and not is_text:
             return array.astype(float, copy=False)
     except (TypeError, ValueError, OverflowError):  # An integer of 400 digits overflows.
         pass

@@ -105,7 +105,7 @@ class Advice(Result):
     def to_dict(self) -> dict[str, Any]:
         """Return the attributes by name for JSON; fit_alarms only if there are any."""
         values = asdict(self)
-        alarms: tuple[str, ...] = values.pop("fit_alarms")
+        alarms = values.pop("fit_alarms")
         values["worth"] = self.worth
         return values | ({"fit_alarms": list(alarms)} if alarms else {})
 
@@ -180,7 +180,7 @@ def advise(
             progress(len(parts) / len(feasible_gaits))
     slopes, half_widths = map(np.array, zip(*parts, strict=True))
     by_friction, by_joints, complete, filmed = half_widths.T
-    present_band = float(np.mean(complete))
+    present_band = float(complete.mean())
     other_variance = np.maximum(complete**2 - by_friction**2, 0.0)
 
     def variance(*more: Any) -> Array:
@@ -193,19 +193,19 @@ def advise(
     present_variance, readings = variance(), list[NextReading]()
     for candidate, more in candidates(session, estimate):
         friction_variance = by_friction**2 * variance(*more) / present_variance
-        band = float(np.mean(np.sqrt(other_variance + friction_variance)))
+        band = float(np.sqrt(other_variance + friction_variance).mean())
         readings.append(replace(candidate, band=band))
     if servo is not None and not servo.drawn and not servo.exact:
         words = "a bench test of one joint (`serpenoid servo --test`)"
         by_joints = np.minimum(by_joints, complete)
         servo_variance = TESTED_SERVO_SHARE**2 * (complete**2 - by_joints**2)
-        band = float(np.mean(np.sqrt(by_joints**2 + servo_variance)))
+        band = float(np.sqrt(by_joints**2 + servo_variance).mean())
         readings.append(NextReading("servo", words, SERVO_TEST_MINUTES, band))
     by_film = any(push.source == "film" for push in session.kept_pushes)
     if by_film or session.kept_films or session.setup.robot_table.tag_side_m:
         words = "a film of the crawling robot (`serpenoid video`)"
         minutes = FILM_MINUTES * len(feasible_gaits)
-        readings.append(NextReading("film", words, minutes, float(np.mean(filmed))))
+        readings.append(NextReading("film", words, minutes, float(filmed.mean())))
     if not readings:
         raise BadInput(
             f"{session.where}: no further station is possible at the plan's belt speeds; raise "
@@ -231,8 +231,14 @@ def _slopes_and_half_widths(session: Session, samples: Samples, gait: Gait) -> t
     centred = samples.frictions - samples.frictions.mean(axis=0)
     # The ridge keeps the regression determined where a friction is known almost exactly.
     ridge = 1e-6 * len(centred) * np.diag(np.diag(samples.fit.covariance))
-    crawls = [crawl for crawl in crawls_by_command(session) if crawl.films]
-    crawl = next((crawl for crawl in crawls if same_command(crawl.commanded, gait)), None)
+    crawl = next(
+        (
+            crawl
+            for crawl in crawls_by_command(session)
+            if crawl.films and same_command(crawl.commanded, gait)
+        ),
+        None,
+    )
     filmed = predict(samples, crawl.gait if crawl else gait, crawl.commanded if crawl else gait)
     band = filmed if crawl else predict(samples, gait)
     if band.exact_m_s <= 0.0:

@@ -231,7 +231,8 @@ def compare(
         p_value = predicted.p_value(seed)
         if p_value < MIN_P_VALUE:
             commands = [row.level_runs[0].commanded if row.filmed else None for row in judged]
-            pairs = [(row.gait, command) for row, command in zip(judged, commands, strict=True)]
+            judged_gaits = [row.gait for row in judged]
+            pairs = list(zip(judged_gaits, commands, strict=True))
             friction, amplitude = best_factors(predicted, fit, pairs, servo, seed)
     verdict, text = _verdict(rows, judged, p_value, servo)
     too_fast = [too_fast_text(row.gait, servo, gait_name(row.gait)) for row in rows if row.too_fast]

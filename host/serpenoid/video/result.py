@@ -98,8 +98,9 @@ class FilmedRun(Result):
             Row("turn", "deg/s", turn, sigma=degrees * self.turn_sigma_rad_s),
             Row("rate", "Hz", hertz * self.omega_rad_s, sigma=hertz * self.omega_sigma_rad_s),
         ]
-        scale = [] if self.time_scale == 1.0 else [Row("time scale", "", self.time_scale)]
-        return rows + scale
+        if self.time_scale != 1.0:
+            rows.append(Row("time scale", "", self.time_scale))
+        return rows
 
 
 @dataclass(frozen=True)
@@ -121,7 +122,6 @@ def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> Filme
     rate_sigma, *joint_sigmas, direction_sigma, speed_sigma, turn_sigma = measured.sigmas.tolist()
     span_s, t_s = float(np.ptp(measured.track.t_s)), watched.sightings.t_s
     camera = bundle.camera
-    rms_px = float(np.sqrt(np.nanmean(measured.track.rest_px**2)))
     return FilmedRun(
         speed_m_s=motion.speed_m_s,
         speed_sigma_m_s=speed_sigma,
@@ -134,7 +134,7 @@ def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> Filme
         path_m=motion.speed_m_s * span_s,
         periods=motion.omega_rad_s * span_s / (2 * np.pi),
         joints=_joints(measured, joint_sigmas),
-        residual_px=rms_px,
+        residual_px=float(np.nanmean(measured.track.rest_px**2)) ** 0.5,
         time_scale=time_scale * film.time_scale,
         camera={
             "focal_px": camera.focal_px,

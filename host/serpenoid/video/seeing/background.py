@@ -90,9 +90,8 @@ class Background:
     def _follow(first: Any, later: Any, points: Any) -> tuple[Any, Any]:
         import cv2
 
-        size = (PATCH_PX, PATCH_PX)
         found_points, status, _ = cv2.calcOpticalFlowPyrLK(
-            first, later, points, points.copy(), winSize=size, maxLevel=4
+            first, later, points, points.copy(), winSize=(PATCH_PX, PATCH_PX), maxLevel=4
         )
         return found_points, status
 
