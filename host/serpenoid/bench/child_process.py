@@ -13,13 +13,12 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any
 
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-
 
 def _serve(pipe: Connection) -> None:
     """Answer requests (limit, function, arguments) with (value, note) until the pipe closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for who started us
-    os.environ.update(dict.fromkeys(_THREADS, "1"))  # read when NumPy is loaded: not yet
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ[name] = "1"  # read when NumPy is loaded: not yet
     while True:
         try:
             limit_s, work, arguments = pipe.recv()

@@ -23,15 +23,7 @@ from .child_process import Limited
 from .problems import PAPER_GROUND, Array, Problem, gait_deg, paper_robot, reference, springs
 from .scipy_peer import solve
 
-LIMIT_S = 20.0  # Processor time of a run and of the finer ones that tell its error
-TRUTH_TOLERANCE, TRUTH_LIMIT_S = 1e-11, 6.0
-DEFECTS = ("HANG", "NaN", "SILENTLY WRONG", "CRASH")
-STOPPED = {
-    "StepTooLarge": "refused",
-    "Diverged": "diverged",
-    "BadInput": "bad input",
-    "HANG": "HANG",
-}  # What a note begins with; any other is a crash
+DEFECTS = ("HANG", "NaN", "SILENTLY WRONG", "CRASH")  # Outcomes that no run may have.
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +78,7 @@ def extremes() -> tuple[Problem, ...]:
 
 def _truth(problem: Problem) -> Array:
     dry = problem.scene.ground.dry
-    return reference(problem)[0] if dry else solve(problem, "DOP853", TRUTH_TOLERANCE)
+    return reference(problem)[0] if dry else solve(problem, "DOP853", tolerance=1e-11)
 
 
 def outcome_of(problem: Problem, method: str, exact: Array | None) -> Outcome:
@@ -107,17 +99,27 @@ def outcome_of(problem: Problem, method: str, exact: Array | None) -> Outcome:
 
 
 def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Outcome]:
-    """Yield the outcome of every extreme scene by every method that runs it."""
+    """Yield the outcome of every extreme scene by every method that runs it.
+
+    Truths may take 6 s of processor time, a run with the finer ones that tell its error 20 s.
+    """
+    # What a note begins with; any other is a crash.
+    stopped = {
+        "StepTooLarge": "refused",
+        "Diverged": "diverged",
+        "BadInput": "bad input",
+        "HANG": "HANG",
+    }
     with Limited() as child:
         for problem in extremes():
             if quick > problem.quick:
                 continue
             tell(f"extreme scenes: {problem.name} ...")
             # no truth where it takes too long, or is refused as all methods will refuse it
-            exact, _ = child(TRUTH_LIMIT_S, _truth, problem)
+            exact, _ = child(6.0, _truth, problem)
             for method in METHODS:
                 if objection(method, problem.scene) is None:
-                    outcome, note = child(LIMIT_S, outcome_of, problem, method, exact)
+                    outcome, note = child(20.0, outcome_of, problem, method, exact)
                     word, _, text = note.partition(": ")
-                    word = STOPPED.get(word, "CRASH")
+                    word = stopped.get(word, "CRASH")
                     yield outcome or Outcome(problem.name, method, word, text=text)

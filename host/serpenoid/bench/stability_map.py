@@ -29,30 +29,20 @@ from ..simulation.stability import largest_stable_step_s
 from .child_process import Limited
 from .problems import Array
 
-NUDGE_M = 1e-9
-UNSTABLE_GROWTH = 10.0  # over the second half of the steps: 0.4 % a step of 1200
-SAMPLES = 20
-FAR_M = 1e-4  # a difference that has come this far from NUDGE_M has grown, however it goes on
-WORDS = ("stable, runs", "unstable, refused", "refused, no growth seen", "SILENTLY WRONG")
-COLOURS = ("#9ecae1", "#f4a582", "#fde0b8", "#b2182b")  # One for each of WORDS
-FIGURE_LINKS, FIGURE_DAMPING_N_S_M = 6, (0.0, 1e3)  # cells that the figure shows
-LIMIT_S = 30.0  # Processor time of a line of cells over dt
+UNSTABLE_GROWTH = 10.0  # Growth over the second half of the steps: 0.4 % a step of 1200.
+KINDS = {
+    "stable, runs": "#9ecae1",
+    "unstable, refused": "#f4a582",
+    "refused, no growth seen": "#fde0b8",
+    "SILENTLY WRONG": "#b2182b",
+}  # Kinds of cells, and their colours in the figure.
 Line = tuple[str, int, float, float, float]
+# The axes of a map: links, cn in N s/m, c in N s/m, and k in N/m.
+Axes = tuple[Sequence[int], Sequence[float], Sequence[float], Sequence[float]]
 
 
 def _decades(low: int, high: int, per_decade: int) -> tuple[float, ...]:
     return tuple(np.logspace(low, high, (high - low) * per_decade + 1).tolist())
-
-
-# A map: its axes (links, cn N s/m, c N s/m, k N/m), the steps dt in s, and how many a run takes.
-Axes = tuple[Sequence[int], Sequence[float], Sequence[float], Sequence[float]]
-Map = tuple[Axes, Sequence[float], int]
-WIDE: Map = (
-    ((2, 6), (10.0, 1e4), (0.0, 1.0, 1e3, 1e5), _decades(2, 9, 2)),
-    _decades(-5, -1, 3),
-    1200,
-)
-COARSE: Map = ((6,), (10.0, 1e4), (0.0, 1e3), _decades(2, 8, 1)), _decades(-5, -1, 2), 600
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,10 +64,10 @@ class Cell:
     note: str = ""
 
     @property
-    def kind(self) -> int:
-        """Return which of WORDS the cell is."""
+    def kind(self) -> str:
+        """Return which of KINDS the cell is."""
         refused, grows = self.dt_s > self.limit_s, not self.growth <= UNSTABLE_GROWTH
-        return (0, 3, 2, 1)[2 * refused + grows]
+        return list(KINDS)[(0, 3, 2, 1)[2 * refused + grows]]
 
 
 def fixed_step_methods() -> list[str]:
@@ -121,10 +111,10 @@ def growth(scene: Scene, steps: int) -> float:
     inf when it or the gaps themselves came far at any sample: two runs that are both metres off may
     well agree in the end.
     """
-    scene = replace(scene, duration_s=steps * scene.dt_s, record_every=steps // SAMPLES)
+    scene = replace(scene, duration_s=steps * scene.dt_s, record_every=steps // 20)
     start, rng = start_state(scene), np.random.default_rng(1)
     nudged = start.packed()
-    nudged[: 2 * scene.robot.links] += NUDGE_M * rng.normal(size=2 * scene.robot.links)
+    nudged[: 2 * scene.robot.links] += 1e-9 * rng.normal(size=2 * scene.robot.links)
     starts = start, LinkState(*nudged.reshape(6, -1))
     try:  # past the check of the step, which simulate makes
         plain, moved = (gap_m(scene.robot, run_core(scene, state)) for state in starts)
@@ -133,10 +123,11 @@ def growth(scene: Scene, steps: int) -> float:
     apart, open_m = np.abs(moved - plain).max(axis=(1, 2)), np.abs(plain).max(axis=(1, 2))
     # A joint is torn if it opens by 0.1 link lengths and 30 times as far as at the start.
     torn = open_m.max() > max(0.1 * scene.robot.link_length_m, 30 * open_m[0])
-    if torn or not apart.max() < FAR_M:
+    far_m = 1e-4  # A nudge that has become so large has grown, however it goes on.
+    if torn or not apart.max() < far_m:
         return math.inf
-    # undamped modes beat: the largest of several samples; and positions are rounded to some 1e-14
-    early, last = apart[SAMPLES // 4 : SAMPLES // 2].max(), apart[-SAMPLES // 4 :].max()
+    # Undamped modes beat: the largest of five samples; and positions are rounded to some 1e-14.
+    early, last = apart[5:10].max(), apart[-5:].max()
     return float(last / max(early, 1e-13))
 
 
@@ -147,13 +138,17 @@ def line_of_growth(line: Line, steps_s: Sequence[float], count: int) -> list[flo
 
 def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Cell]:
     """Yield every cell of a map for every method of fixed steps."""
-    axes, steps_s, count = COARSE if quick else WIDE
+    axes: Axes = (2, 6), (10.0, 1e4), (0.0, 1.0, 1e3, 1e5), _decades(2, 9, 2)
+    steps_s, count = _decades(-5, -1, 3), 1200
+    if quick:
+        axes = (6,), (10.0, 1e4), (0.0, 1e3), _decades(2, 8, 1)
+        steps_s, count = _decades(-5, -1, 2), 600
     with Limited() as child:
         for method in fixed_step_methods():
             tell(f"map of stability: {method} ...")
             for line in product((method,), *axes):
                 limit_s = largest_stable_step_s(scene_of(*line))
-                values, note = child(LIMIT_S, line_of_growth, line, steps_s, count)
+                values, note = child(30.0, line_of_growth, line, steps_s, count)
                 for dt_s, value in zip(steps_s, values or cycle([math.nan]), strict=False):
                     yield Cell(*line, dt_s, value, limit_s, note)
 
@@ -161,8 +156,9 @@ def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Cell]:
 def stability_figure(cells: Sequence[Cell], path: Path) -> None:
     """Draw all methods downwards, low and high friction and damping to the right, of 6 links."""
     panels: dict[tuple[str, float, float], list[Cell]] = {}
+    links, damping_n_s_m = 6, (0.0, 1e3)
     for cell in cells:
-        if cell.links == FIGURE_LINKS and cell.damping_n_s_m in FIGURE_DAMPING_N_S_M:
+        if cell.links == links and cell.damping_n_s_m in damping_n_s_m:
             panel = cell.method, cell.friction_n_s_m, cell.damping_n_s_m
             panels.setdefault(panel, []).append(cell)
     methods = list(dict.fromkeys(method for method, *_ in panels))
@@ -171,9 +167,9 @@ def stability_figure(cells: Sequence[Cell], path: Path) -> None:
     grid = {"rows": len(methods), "squeeze": False, "sharex": True, "sharey": True}
     with figure(*size, columns, path=path, **grid) as (fig, axes):
         for ax, ((_, friction, damping), inside) in zip(axes.flat, panels.items(), strict=True):
-            for kind, (word, colour) in enumerate(zip(WORDS, COLOURS, strict=True)):
+            for kind, colour in KINDS.items():
                 points = [(cell.stiffness_n_m, cell.dt_s) for cell in inside if cell.kind == kind]
-                ax.scatter(*np.reshape(points, (-1, 2)).T, c=colour, marker="s", s=45, label=word)
+                ax.scatter(*np.reshape(points, (-1, 2)).T, c=colour, marker="s", s=45, label=kind)
             stiffness = [cell.stiffness_n_m for cell in inside]
             limits = [cell.limit_s for cell in inside]
             ax.plot(stiffness, limits, color="black", lw=1.4, label="limit by the rule")

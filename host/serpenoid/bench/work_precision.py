@@ -29,13 +29,7 @@ from . import scipy_peer
 from .child_process import Limited
 from .problems import Array, Problem, problems, reference
 
-STEPS_S = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
-TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
-MAX_TIMED_S = 0.1  # longer work is timed once
-WIDTHS_M_S = (1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6)  # widths of the smoothed sign
-TABLE_ERROR = 1e-6
-PEER = "SciPy "  # begins the names of its methods
-FAILED = math.nan, math.nan
+PEER = "SciPy "  # Beginning of the names of its methods.
 Work = Callable[[], Array]
 
 
@@ -62,13 +56,14 @@ def contenders(problem: Problem) -> list[tuple[str, str, tuple[float, ...]]]:
     On dry ground the width of the smoothed sign is set of SciPy's.
     """
     scene, ways = problem.scene, []
+    tolerances = "tolerance", (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
+    steps = "dt_s", (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
+    widths = "width_m_s", (1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6)
     for name, kind in METHODS.items():
         if objection(name, scene) is None:
-            adaptive = scene.formulation in kind.adaptive
-            setting = ("tolerance", TOLERANCES) if adaptive else ("dt_s", STEPS_S)
+            setting = tolerances if scene.formulation in kind.adaptive else steps
             ways.append((name, *setting))
-    dry = scene.law == "dry"
-    setting = ("width_m_s", WIDTHS_M_S) if dry else ("tolerance", TOLERANCES)
+    setting = widths if scene.law == "dry" else tolerances
     return ways + [(PEER + name, *setting) for name in scipy_peer.METHODS]
 
 
@@ -92,8 +87,8 @@ def _timed(problem: Problem, work: tuple[str, str, float], rounds: int) -> tuple
     call = work_of(problem, *work)
     begin_s = time.thread_time()
     end = call()
-    times_s = [time.thread_time() - begin_s]
-    if times_s[0] < MAX_TIMED_S:
+    times_s, long_s = [time.thread_time() - begin_s], 0.1
+    if times_s[0] < long_s:
         # Work shorter than 2 ms is repeated within a round.
         count = max(1, round(2e-3 / max(times_s[0], 1e-7)))
         rounds_s = timeit.repeat(call, timer=time.thread_time, repeat=rounds, number=count)
@@ -127,7 +122,7 @@ def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Row]:
                         answer, note = child(limit_s, _timed, problem, work, rounds)
                         if note.startswith(("HANG", "CRASH")):
                             overran = f"not tried: {note} at the setting before"
-                    error, time_s = answer or FAILED
+                    error, time_s = answer or (math.nan, math.nan)
                     yield Row(problem.name, *work, error, time_s, note, computer)
 
 
@@ -141,11 +136,11 @@ def time_at(error: float, rows: Sequence[Row]) -> float:
 
 
 def table(rows: Sequence[Row]) -> str:
-    """Return a Markdown table of ms of processor time a simulated second at TABLE_ERROR."""
+    """Return a Markdown table of ms of processor time a simulated second at an error of 1e-6."""
     lines: dict[tuple[str, str], list[Row]] = {}
     for row in sorted(rows, key=lambda row: PEER in row.method):
         lines.setdefault((row.method, row.scene), []).append(row)
-    times_ms = {key: 1e3 * time_at(TABLE_ERROR, points) for key, points in lines.items()}
+    times_ms = {key: 1e3 * time_at(1e-6, points) for key, points in lines.items()}
     scenes = dict.fromkeys(row.scene for row in rows)
 
     def best(scene: str, peer: bool) -> float:

@@ -46,7 +46,7 @@ def bench(folder: Path, quick: bool) -> None:
     cells = saved("stability.csv", stability_map.measure(quick, tell))
     stability_map.stability_figure(cells, folder / "stability.png")
     words = [outcome.outcome for outcome in saved("extremes.csv", extremes.measure(quick, tell))]
-    words += ["HANG" if cell.note else stability_map.WORDS[cell.kind] for cell in cells]
+    words += ["HANG" if cell.note else cell.kind for cell in cells]
     say(f"Milliseconds a simulated second at an error of 1e-6:\n\n{work_precision.table(rows)}\n")
     defects = {word: words.count(word) for word in extremes.DEFECTS}
     counts = ", ".join(f"{count} {word}" for word, count in defects.items())
@@ -112,9 +112,8 @@ def draw(folder: Path) -> list[Claim]:
     speeds = np.array([springs.speed_m_s for springs in implicit])
     title = "2005 robot, α = 70°, β = 75°"
     plot.formulations_figure(np.array(HERTZ), exact, speeds, title, folder / "fig17.png")
-    body = study.OF_2005, study.BINGHAM
-    optima = [best for best in sn.power_front(*body, speeds_m_s=study.FRONT_2005_M_S) if best]
-    words = f"2005 robot: {plot.robot_words(*body)}"
-    gait_figures.power_of(study.cloud_2005(), optima, words, folder / "front-2005.png")
+    words = f"2005 robot: {plot.robot_words(study.OF_2005, study.BINGHAM)}"
+    cloud, optima = study.cloud_2005(), study.front_2005()
+    gait_figures.power_of(cloud, optima, words, folder / "front-2005.png")
     ends = [(hz, b.low_m_s, b.high_m_s) for hz, b in zip(HERTZ, bands, strict=True)]
     return study.claims(closed, opened, front, ends)

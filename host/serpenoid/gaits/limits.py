@@ -19,27 +19,17 @@ from ..periodic.steady import Steady, speed_floor_m_s, state_near
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 
-LIMIT_NAMES = {
-    "joint_angle_rad": "joint angle",
-    "servo_speed_rad_s": "servo speed",
-    "servo_torque_nm": "servo torque",
-    "omega_high_rad_s": "highest rate",
-    "omega_low_rad_s": "lowest rate",
-    "kept_speed_share": "speed kept",
+# Limits in words, with the units of those that stand in a message.
+LIMITS = {
+    "joint_angle_rad": ("joint angle", "deg"),
+    "servo_speed_rad_s": ("servo speed", "deg/s"),
+    "servo_torque_nm": ("servo torque", "N m"),
+    "omega_high_rad_s": ("highest rate", "rad/s"),
+    "omega_low_rad_s": ("lowest rate", "rad/s"),
+    "kept_speed_share": ("speed kept", ""),
 }
-REACHED = 2e-3  # relative: a limit this near counts as reached
-LESS_AMPLITUDE, LESS_FRICTION = 0.10, 0.20  # losses that a gait which is to be driven must bear
-SHARP_DROP = 0.25  # share of the speed: a gait that loses more is warned of
-MIN_SHARE = 1e-3  # share of the speed: a gait that keeps less counts as one that stops
-LEAST_RATE_RAD_S = 1e-5  # lowest rate with servos: a period of a week; slower states take minutes
-_DEG = math.degrees(1.0)
-_UNITS = {
-    "joint_angle_rad": (_DEG, "deg"),
-    "servo_speed_rad_s": (_DEG, "deg/s"),
-    "servo_torque_nm": (1.0, "N m"),
-    "omega_high_rad_s": (1.0, "rad/s"),
-    "omega_low_rad_s": (1.0, "rad/s"),
-}
+REACHED = 2e-3  # Relative distance from a limit within which it counts as reached.
+LESS_AMPLITUDE, LESS_FRICTION = 0.10, 0.20  # Losses that a gait which is to be driven must bear.
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,8 +77,11 @@ class GaitLimits:
 
     def __post_init__(self) -> None:
         check_number("joint_angle_rad", self.joint_angle_rad, 0.0, math.pi, open_low=True)
-        rates = dict.fromkeys(("servo_speed_rad_s", "omega_high_rad_s"), LEAST_RATE_RAD_S)
-        for name, low in (rates | {"servo_torque_nm": 0.0}).items():
+        for name, low in (
+            ("servo_torque_nm", 0.0),
+            ("servo_speed_rad_s", 1e-5),  # a period of a week; slower states take minutes
+            ("omega_high_rad_s", 1e-5),
+        ):
             limit = getattr(self, name)
             if not (isinstance(limit, float) and limit == math.inf):
                 check_number(name, limit, low, open_low=low == 0.0)
@@ -122,15 +115,17 @@ class GaitLimits:
         names = [name for name, margin in margins.items() if margin <= REACHED]
         if speed_share <= self.kept_speed_share * (1 + REACHED):
             names.append("kept_speed_share")
-        return tuple(LIMIT_NAMES[name] for name in names)
+        return tuple(LIMITS[name][0] for name in names)
 
     def in_words(self) -> str:
         """Return the limits there are, with their units; angles in degrees."""
-        return ", ".join(
-            f"{LIMIT_NAMES[name]} {getattr(self, name) * scale:.4g} {unit}"
-            for name, (scale, unit) in _UNITS.items()
-            if 0 < getattr(self, name) < math.inf
-        )
+        parts = []
+        for name, (words, unit) in LIMITS.items():
+            limit = getattr(self, name)
+            if unit and 0 < limit < math.inf:
+                shown = math.degrees(limit) if "deg" in unit else limit
+                parts.append(f"{words} {shown:.4g} {unit}")
+        return ", ".join(parts)
 
 
 def peak_torque_nm(robot: Robot, ground: Ground, gait: Gait, steps: int = 240) -> float:
@@ -193,7 +188,8 @@ class SpeedLosses(Result):
         """Return what a user must know of a gait at a sharp drop of speed, or nothing."""
         if math.isnan(self.worst):
             return "this gait does not travel: there is no speed to lose"
-        if self.worst <= SHARP_DROP:
+        sharp_drop = 0.25
+        if self.worst <= sharp_drop:
             return ""
         return f"this gait stands at a sharp drop of speed: it loses {self.in_words()}"
 

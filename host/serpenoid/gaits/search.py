@@ -26,38 +26,17 @@ from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import speed_floor_m_s, state_near
 from ..simulation.steady_springs import steady_springs
-from .limits import MIN_SHARE, GaitLimits, peak_torque_nm, speed_shares
+from .limits import GaitLimits, peak_torque_nm, speed_shares
 
-COSTS = ("power", "abs_power", "positive_power")  # mean powers that a search makes least
-ROUGH_RTOL = 1e-3  # accuracy of dry states, and of springs, while shapes are compared
-FINE_RTOL = 1e-5  # the same near the optimum
-SMOOTH_RTOL = 1e-8  # accuracy of viscous states
-
-# The table.
-ALPHAS_RAD = np.radians(np.geomspace(6.0, 150.0, 15))  # gaits outside hardly travel
-MANY_LINKS = 8  # links: longer robots have several narrow valleys
-LAG_COUNTS = 14, 20  # phase lags tried: robots up to MANY_LINKS, longer ones
-MAX_LAG_RAD = math.radians(175.0)  # a standing wave, of 180 degrees, goes nowhere
-RATE_STEP = 1.45  # factor between rates: lines between them err by a few per cent
-RATES_AT_ONCE = 4  # solved together, before shapes that cost too much are left out
-START_DISTANCE = 0.35  # e-folds between two of them, so that they lie in different valleys
-START_PENALTY = 8.0  # slope of ln cost over ln excess beyond a limit: a start may lie beyond one
-
-# Nelder-Mead.
-FIRST_SIZE = 0.15  # e-folds, of the simplex: half a step of the table
-FIRST_END = 0.02  # e-folds, where the first descents end
-MAX_EVALUATIONS = 90  # longest descent
-
-# A search along a limit.
-NEAR_LIMIT = 0.02  # e-folds within a limit: from here the limit itself is followed
-PROBE = 1e-3  # e-folds of shape between two margins that give the limit's direction
-ON_LIMIT = 1e-6  # e-folds from a limit that count as on it
-
-# The rate of a shape.
-MAX_LOG_STEP = 0.5  # largest step of that method
-MIN_SLOPE, MAX_SLOPE = 0.1, 10.0  # slope of ln speed over ln rate: beyond, 1 is as good a guess
-RATE_ROUNDING = 1e-12  # e-folds: two rates this near are one
-UNSOLVED = 1e3  # price of a shape without a periodic state
+COSTS = ("power", "abs_power", "positive_power")  # Mean powers that a search makes least.
+ROUGH_RTOL = 1e-3  # Accuracy of dry states, and of springs, while shapes are compared.
+FINE_RTOL = 1e-5  # Accuracy of dry states near the optimum.
+SMOOTH_RTOL = 1e-8  # Accuracy of viscous states.
+ALPHAS_RAD = np.radians(np.geomspace(6.0, 150.0, 15))  # Amplitudes: gaits outside hardly travel.
+MAX_LAG_RAD = math.radians(175.0)  # Largest phase lag: a standing wave, of 180 deg, goes nowhere.
+START_PENALTY = 8.0  # Slope of ln cost over ln excess beyond a limit: a start may lie beyond one.
+FIRST_END = 0.02  # E-folds of the simplex at which the first descents end.
+ON_LIMIT = 1e-6  # E-folds from a limit that count as on it.
 
 
 @dataclass(frozen=True)
@@ -73,7 +52,7 @@ class Point:
 
     log_shape: Array
     gait: Gait | None = None
-    log_cost: float = UNSOLVED
+    log_cost: float = 1e3
     margin: float = -1.0
     share_margin: float = math.inf
     angle_margin: float = math.inf
@@ -94,9 +73,13 @@ def log_shape(alpha_rad: float, beta_rad: float) -> Array:
 
 
 def log_rate_step(miss: float, slope: float) -> float:
-    """Return the secant step in ln rate for a miss of ln speed."""
-    step = -miss / (slope if MIN_SLOPE < slope < MAX_SLOPE else 1.0)
-    return min(max(step, -MAX_LOG_STEP), MAX_LOG_STEP)
+    """Return the secant step in ln rate, at most 0.5, for a miss of ln speed.
+
+    slope: of ln speed over ln rate; from 10, and down to 0.1, 1 is as good a guess.
+    """
+    low, high = 0.1, 10.0
+    step = -miss / (slope if low < slope < high else 1.0)
+    return min(max(step, -0.5), 0.5)
 
 
 def angles_of(shape: Array) -> tuple[float, float]:
@@ -142,7 +125,8 @@ class Search:
         widest, n = math.exp(self.bounds[1][0]), self.robot.links
         alphas = np.append(ALPHAS_RAD[widest > ALPHAS_RAD], widest)
         lowest = min(math.radians(22), 2.2 / n)
-        return alphas, np.geomspace(lowest, MAX_LAG_RAD, LAG_COUNTS[n > MANY_LINKS])
+        many_links = 8  # Longer robots have several narrow valleys.
+        return alphas, np.geomspace(lowest, MAX_LAG_RAD, 20 if n > many_links else 14)
 
     # States of gaits.
 
@@ -194,7 +178,8 @@ class Search:
             return math.inf
         start_state = state if self.springs is None else None
         shares = speed_shares(self.robot, self.ground, gait, rtol=rtol, state=start_state)
-        share = max(min(shares), MIN_SHARE) if math.isfinite(sum(shares)) else MIN_SHARE
+        # A gait that keeps less than a thousandth counts as one that stops.
+        share = max(min(shares), 1e-3) if math.isfinite(sum(shares)) else 1e-3
         return math.log(share / self.limits.kept_speed_share)
 
     def point(self, shape: Array, neighbour: Point, rtol: float) -> Point:
@@ -208,7 +193,7 @@ class Search:
         target = rtol / 10
         x, slope, state = math.log(neighbour.gait.omega_rad_s), 1.0, neighbour.state
         tried: list[tuple[float, float, float]] = []  # ln rate, ln speed ratio, ln cost
-        slow, fast = -math.inf, math.inf
+        slow, fast, rounding = -math.inf, math.inf, 1e-12
         # The safeguarded secant method takes 12 states at most.
         for _ in range(12):
             solved = self.state(Gait(alpha, beta, math.exp(x)), rtol, state)
@@ -225,7 +210,7 @@ class Search:
             x += log_rate_step(tried[-1][1], slope)
             if slow < fast and not slow < x < fast:
                 x = (slow + fast) / 2
-            if fast - slow < RATE_ROUNDING:
+            if fast - slow < rounding:
                 break
         if not tried:
             return Point(shape)
@@ -258,11 +243,12 @@ class Search:
         points = [self._with_share(point) for point in points]
         points.sort(key=lambda point: point.log_cost)
         starts: list[Point] = []
+        least_distance = 0.35  # E-folds between two starts, so that they lie in different valleys.
         for point in points:
             distances = (math.dist(point.log_shape, start.log_shape) for start in starts)
             # The coarse table may hide a factor of 1.6 of the cost.
             cheap = not starts or point.log_cost < starts[0].log_cost + math.log(1.6)
-            if cheap and min(distances, default=math.inf) > START_DISTANCE:
+            if cheap and min(distances, default=math.inf) > least_distance:
                 starts.append(point)
         return starts[:4]
 
@@ -291,19 +277,21 @@ class Search:
         # The first rate is 1.05 times that at which the wave travels at the wanted speed.
         lowest = 1.05 * self.speed_m_s * beta_rad / self.robot.link_length_m
         lowest = max(lowest, limits.omega_low_rad_s)
+        rate_step = 1.45  # Factor between rates: lines between them err by a few per cent.
         shapes = [(alpha, beta_rad) for alpha in alphas.tolist()]
         last: list[tuple[float, float, float] | None] = [None] * len(shapes)
         active = [
             k
             for k, (alpha, _) in enumerate(shapes)
-            if lowest < RATE_STEP * min(limits.servo_speed_rad_s / alpha, limits.omega_high_rad_s)
+            if lowest < rate_step * min(limits.servo_speed_rad_s / alpha, limits.omega_high_rad_s)
         ]
         points = []
-        # 28 rates span a factor of 20 000.
-        for first in range(0, 28, RATES_AT_ONCE):
+        # 28 rates span a factor of 20 000. Four are solved together, before shapes that cost too
+        # much are left out.
+        for first in range(0, 28, 4):
             if not active:
                 break
-            rates = lowest * RATE_STEP ** np.arange(first, first + RATES_AT_ONCE)
+            rates = lowest * rate_step ** np.arange(first, first + 4)
             rows = self._solved([shapes[k] for k in active], rates)
             unreached = []
             for k, row in zip(active, rows, strict=True):
@@ -318,7 +306,7 @@ class Search:
                     highest = min(limits.servo_speed_rad_s / shapes[k][0], limits.omega_high_rad_s)
                     below = last[k]
                     dear = below is not None and below[2] > cheapest
-                    if not dear and rates[-1] < RATE_STEP * highest:
+                    if not dear and rates[-1] < rate_step * highest:
                         unreached.append(k)
             active = unreached
             cheapest = min([cheapest, *(point.log_cost for point in points)])
@@ -393,7 +381,7 @@ class Search:
                 "initial_simplex": start.log_shape + np.vstack([np.zeros(2), np.diag(steps)]),
                 "xatol": end,
                 "fatol": end**2,
-                "maxfev": MAX_EVALUATIONS,
+                "maxfev": 90,
             },
         )
         return min(points, key=lambda point: point.price)
@@ -407,6 +395,7 @@ class Search:
         normal. Nelder-Mead alone ends early at such an edge.
         """
         points = [start]
+        probe = 1e-3  # E-folds of shape between two margins that give the limit's direction.
 
         def point(shape: Array) -> Point:
             neighbour = min(points, key=lambda end: math.dist(end.log_shape, shape))
@@ -415,8 +404,8 @@ class Search:
                 points.append(end)
             return end
 
-        margins = [getattr(point(start.log_shape + PROBE * axis), margin) for axis in np.eye(2)]
-        gradient = (np.array(margins) - getattr(start, margin)) / PROBE
+        margins = [getattr(point(start.log_shape + probe * axis), margin) for axis in np.eye(2)]
+        gradient = (np.array(margins) - getattr(start, margin)) / probe
         steepness = float(np.hypot(*gradient))
         if not 0 < steepness < math.inf:
             return start
@@ -450,15 +439,17 @@ class Search:
             return None
         exact = replace(self, springs=None)
         rtol = SMOOTH_RTOL if exact.smooth else ROUGH_RTOL
-        ends = [exact.descend(start, FIRST_SIZE, FIRST_END, rtol) for start in starts]
+        first_size = 0.15  # E-folds of the first simplex: half a step of the table.
+        ends = [exact.descend(start, first_size, FIRST_END, rtol) for start in starts]
         best = min(ends, key=lambda point: point.price)
         rtol, end = self.accuracy
         best = self.point(best.log_shape, best, rtol)
-        size, gains = -FIRST_SIZE / 2, [math.inf, math.inf]
+        size, gains = -first_size / 2, [math.inf, math.inf]
+        near_limit = 0.02  # E-folds within a limit: from here the limit itself is followed.
         for _ in range(8):
             lower = self.descend(best, size, end, rtol)
             for margin in ("margin", "share_margin", "angle_margin"):
-                if abs(getattr(lower, margin)) < NEAR_LIMIT:
+                if abs(getattr(lower, margin)) < near_limit:
                     lower = self.along_limit(margin, lower, size, rtol)
             gains.append(abs(best.price - lower.price))
             best = lower

@@ -10,15 +10,14 @@ from .floor import Floor
 from .recording import Camera, filmed
 from .robot import LabRobot
 
-SETTLE_CYCLES, CYCLES, SETTLE_S = 3, 4, 6.0
-FILMED_S = 6.0
-FRAMES = 1000  # a cycle: between them joints move in straight lines, as they would not
+SETTLE_S, SETTLE_CYCLES = 6.0, 3  # Time and cycles after which a crawl is steady.
+FRAMES = 1000  # Frames a cycle: between them joints move in straight lines, as they would not.
 
 
 def crawl_speed(
     robot: LabRobot, gait: Gait, *, slope_rad: float = 0.0, across_rad: float = 0.0
 ) -> float:
-    """Return the way of a cycle over its time once the gait repeats, m/s.
+    """Return the way of a cycle over its time once the gait repeats, m/s, the mean of four.
 
     The robot may go in a curve, as one whose joints stand off does; slope_rad rises ahead of it,
     across_rad falls to its left.
@@ -26,7 +25,7 @@ def crawl_speed(
     period_s = gait.period_s
     settled = max(SETTLE_CYCLES, int(np.ceil(SETTLE_S / period_s)))
     # A servo's frames are no divisor of a cycle: places are interpolated at whole cycles.
-    t_s = period_s * (settled + np.arange(CYCLES + 1))
+    t_s = period_s * (settled + np.arange(5))
     track, _ = Floor(robot, -slope_rad, across_rad).driven(gait, t_s[-1], period_s / FRAMES)
     x, y = (np.interp(t_s, track.t_s, way) for way in (track.x_m, track.y_m))
     return float(np.hypot(np.diff(x), np.diff(y)).mean()) / period_s
@@ -42,11 +41,11 @@ def filmed_crawl(
 ) -> Array:
     """Return what a film shows of a crawl that is steady: t_s, x_m, y_m, heading_rad, joints, rad.
 
-    Whole cycles, FILMED_S at least. A row a picture. slope_rad, across_rad: as of
+    Whole cycles, three and 6 s at least. A row a picture. slope_rad, across_rad: as of
     `crawl_speed`.
     """
     settled_s = SETTLE_S + SETTLE_CYCLES * gait.period_s
-    cycles = max(3, np.ceil(FILMED_S / gait.period_s))
+    cycles = max(3, np.ceil(6.0 / gait.period_s))
     end_s = settled_s + gait.period_s * cycles
     track, joints = Floor(robot, -slope_rad, across_rad).driven(gait, end_s, gait.period_s / FRAMES)
     t = settled_s + np.arange(0.0, end_s - settled_s, 1 / camera.rate_hz)

@@ -25,7 +25,7 @@ class Instrument:
         return round(shown / self.step) * self.step if self.step > 0.0 else shown
 
 
-RULER_M = Instrument(step=0.005, scatter=0.002)  # laid beside the belt, read by eye
-CLOCK_S = Instrument(step=0.01, scatter=0.1)  # a stopwatch in a hand
-EYE_RAD = Instrument(scatter=0.017)  # how far it has turned, by eye: a degree
-EYE_M = Instrument(scatter=0.005)  # how far it is off the middle
+RULER_M = Instrument(step=0.005, scatter=0.002)  # Ruler beside the belt, read by eye.
+CLOCK_S = Instrument(step=0.01, scatter=0.1)  # Stopwatch in a hand.
+EYE_RAD = Instrument(scatter=0.017)  # Eye that sees how far the robot has turned, to a degree.
+EYE_M = Instrument(scatter=0.005)  # Eye that sees how far the robot is off the middle.

@@ -14,20 +14,10 @@ import numpy as np
 from .belt import HALF_LENGTH_M, Belt, Sight
 from .instruments import CLOCK_S, EYE_M, EYE_RAD, RULER_M
 
-LOOK_S, WATCH_S = 0.5, 6.0  # between looks; that a drift is watched
-STEER_STEP_RAD = math.radians(0.25)
-STEER_LIMIT_RAD, TRIM_LIMIT_RAD = math.radians(3.0), math.radians(2.5)
-AIM_LIMIT_RAD = 0.2
-TRIES = 25  # belt speeds tried until somebody gives up
-LEAVE_M = 0.75 * HALF_LENGTH_M  # along: time to take the robot back to the middle
-CARRIED = 0.25  # share of the belt's speed: its wheels hardly roll, the belt carries it off
-# Slower than this a robot goes by jerks: every touch of the steering shakes wheels loose that would
-# rest, and it creeps where it should stand. No reading is taken there.
+LOOK_S = 0.5  # Time between looks.
+# Speed below which a robot goes by jerks: every touch of the steering shakes wheels loose that
+# would rest, and it creeps where it should stand. No reading is taken there.
 CREEP_M_S = 0.12
-CREEP_MARGIN = 1.5  # times CREEP_M_S: below it the belt is set once more
-FEWEST_LOOKS = 5  # looks of a watch: a robot that leaves before is not read
-# Scatter of a robot that is let go: across, m; heading, rad; speed, m/s; turning, rad/s.
-LET_GO = np.array([0.01, math.radians(2.0), 0.03, math.radians(3.0)])
 
 
 @dataclass(frozen=True)
@@ -71,10 +61,12 @@ class Helm:
         """Return the offset for the next half second, rad."""
         turn = self._link_m / max(speed_m_s, 0.2)  # rad of offset for a rad a second
         # The robot is aimed at the middle by a radian to a metre.
-        error_rad = limited(-across_m, AIM_LIMIT_RAD) - heading_rad
-        self.trim_rad = limited(self.trim_rad + 0.2 * turn * error_rad * LOOK_S, TRIM_LIMIT_RAD)
-        offset = limited(0.5 * turn * error_rad / LOOK_S + self.trim_rad, STEER_LIMIT_RAD)
-        self.offset_rad = round(offset / STEER_STEP_RAD) * STEER_STEP_RAD
+        error_rad = limited(-across_m, 0.2) - heading_rad
+        trim_rad = self.trim_rad + 0.2 * turn * error_rad * LOOK_S
+        self.trim_rad = limited(trim_rad, math.radians(2.5))
+        offset = limited(0.5 * turn * error_rad / LOOK_S + self.trim_rad, math.radians(3.0))
+        step_rad = math.radians(0.25)
+        self.offset_rad = round(offset / step_rad) * step_rad
         return self.offset_rad
 
 
@@ -97,12 +89,12 @@ class Person:
         """
         step_m_s, shown_m_s = self.display.step_m_s, self.display.nearest(guess_m_s)
         stride_m_s, last_direction = 4 * step_m_s, 0
-        for _ in range(TRIES):
+        for _ in range(25):  # until somebody gives up
             station, drift_m_s = self._try(shown_m_s, settle_s)
             if station is not None and abs(drift_m_s) <= 0.7 * step_m_s:
                 if not self._rolls(station, CREEP_M_S):
                     return None
-                if self._rolls(station, CREEP_MARGIN * CREEP_M_S):
+                if self._rolls(station, 1.5 * CREEP_M_S):
                     return station
                 # Of readings that are kept only if they are fast enough, the mean would be too
                 # fast: the belt is set once more, and what is read then is taken.
@@ -120,9 +112,12 @@ class Person:
         return None
 
     def _rolls(self, station: Station, slip_m_s: float) -> bool:
-        """Tell whether wheels roll that fast at least, and the belt does not carry the robot."""
+        """Tell whether wheels roll that fast at least, and the belt does not carry the robot.
+
+        One that drifts by a quarter of the belt's speed is carried off: its wheels hardly roll.
+        """
         shown_m_s, drift_m_s = station.belt_shown_m_s, station.drift_m_s
-        return drift_m_s <= CARRIED * shown_m_s and shown_m_s - drift_m_s > slip_m_s
+        return drift_m_s <= 0.25 * shown_m_s and shown_m_s - drift_m_s > slip_m_s
 
     def _try(self, shown_m_s: float, settle_s: float) -> tuple[Station | None, float]:
         """Let the robot go on the running belt; return what was read, and the drift seen last."""
@@ -133,9 +128,9 @@ class Person:
         looks = looks[-8:]
         drift_m_s = self._drift(looks)
         if abs(drift_m_s) <= 1.2 * self.display.step_m_s:  # else it is no use to watch it longer
-            looks = self._watch(shown_m_s, WATCH_S)
+            looks, fewest_looks = self._watch(shown_m_s, 6.0), 5
             drift_m_s = self._drift(looks)
-            if len(looks) < FEWEST_LOOKS:
+            if len(looks) < fewest_looks:
                 return None, drift_m_s
         return self._read(shown_m_s, looks, drift_m_s), drift_m_s
 
@@ -143,7 +138,9 @@ class Person:
         """Set the belt, lay the robot on it and let go."""
         error_m_s = self.display.scatter_m_s * float(self.rng.normal())
         self.belt.run(max(shown_m_s * self.display.scale + error_m_s, 0.0))
-        self.belt.put(*(LET_GO * self.rng.normal(size=4)).tolist())
+        # Scatter: across, m; heading, rad; speed, m/s; turning, rad/s.
+        scatter = np.array([0.01, math.radians(2.0), 0.03, math.radians(3.0)])
+        self.belt.put(*(scatter * self.rng.normal(size=4)).tolist())
         self.belt.steer(self.helm.trim_rad)
 
     def _read(self, shown_m_s: float, looks: list[Sight], drift_m_s: float) -> Station:
@@ -164,7 +161,8 @@ class Person:
         return looks
 
     def _leaves(self, look: Sight) -> bool:
-        return abs(look.along_m) > LEAVE_M or self.belt.lost
+        # From three quarters of the belt on somebody takes the robot back to the middle.
+        return abs(look.along_m) > 0.75 * HALF_LENGTH_M or self.belt.lost
 
     def _drift(self, looks: list[Sight]) -> float:
         """Return the drift, m/s, uphill, by ruler and clock between the ends of a watch."""

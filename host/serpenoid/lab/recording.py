@@ -9,8 +9,6 @@ import numpy as np
 from ..base.vectors import Array
 from .floor import Track
 
-REST_S = 0.3  # that a camera runs on after a push
-
 
 @dataclass(frozen=True)
 class Camera:
@@ -30,11 +28,11 @@ class Camera:
 
 
 def film(track: Track, camera: Camera, rng: np.random.Generator) -> Array:
-    """Return what a film shows of a push, from the hand's first touch until after it rests.
+    """Return what a film shows of a push, from the hand's first touch until 0.3 s after it rests.
 
     Rows t_s, x_m, y_m of the robot's centre, heading_rad; (pictures, 4).
     """
-    end = float(track.t_s[-1]) + REST_S
+    end = float(track.t_s[-1]) + 0.3
     gaps = 1 / camera.rate_hz + camera.jitter_s * np.clip(rng.normal(size=int(end * 100)), -3, 3)
     t = float(rng.uniform()) / camera.rate_hz + np.cumsum(gaps)
     t = t[(t < end) & (rng.uniform(size=t.size) >= camera.missing)]

@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import _core
 from ..base.checks import check_number
-from ..base.errors import BadInput
+from ..base.errors import BadInput, NotConverged
 from ..model.bends import joint_multiples
 from ..model.core_model import friction_numbers
 from ..model.drives import Servo, core_servo
@@ -100,6 +100,12 @@ class LabRobot:
         true = self.true_joints(set_rad)
         ends_rad = [abs(true[k]) + scatter_rad * float(rng.normal()) for k in (0, -1)]
         return [180.0 - math.degrees(end_rad) for end_rad in ends_rad]
+
+
+def check_answer(solved: bool) -> None:
+    """Raise NotConverged where the core came to no answer."""
+    if not solved:
+        raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
 
 
 def pose_of(signs: Sequence[int], angle_rad: float) -> list[float]:

@@ -25,14 +25,6 @@ from ..simulation.steady_springs import steady_springs
 D = math.pi / 180
 (OF_2005, BINGHAM), (ROBOT, GROUND) = PRESETS.values()
 PATH_GAIT, EXPERIMENT = Gait(30 * D, 80 * D, 5.0), Gait(70 * D, 75 * D, math.pi)
-PAPERS_OPTIMUM = (30 * D, 80 * D)
-FRONT_M_S = (0.03, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7)
-FRONT_2005_M_S = (0.03, 0.05, 0.1, 0.15, 0.2)
-GRID_DEG = (5, 75), (20, 90)  # ends of the paper's grid: amplitude, lag
-NEAR_DEG = 4.0  # an angle of the paper, read to a step of its grid or so
-NEAR_WAVES = 0.05 + 6 * NEAR_DEG / 360  # 1.3 may be rounded, and so read
-FLAT = 0.05  # largest share of the power that counts as flat
-RINGING_S, SETTLED_S = 0.2, 8.0  # until and from when the springs of Figs. 6 and 7 ring, and rest
 
 
 class Comparison(NamedTuple):
@@ -73,8 +65,14 @@ def papers_sweep() -> Sweep:
 
 def papers_front() -> list[LeastPower]:
     """Find the least-power gaits of the paper's robot over its speeds."""
-    front = power_front(ROBOT, GROUND, speeds_m_s=np.array(FRONT_M_S))
-    return [best for best in front if best is not None]
+    speeds_m_s = 0.03, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7
+    return list(filter(None, power_front(ROBOT, GROUND, speeds_m_s=speeds_m_s)))
+
+
+def front_2005() -> list[LeastPower]:
+    """Find the least-power gaits of the 2005 robot over its speeds."""
+    speeds_m_s = 0.03, 0.05, 0.1, 0.15, 0.2
+    return list(filter(None, power_front(OF_2005, BINGHAM, speeds_m_s=speeds_m_s)))
 
 
 def cloud_2005() -> Sweep:
@@ -113,7 +111,7 @@ def dearer(front: Sequence[LeastPower], speed_m_s: float) -> float:
     best = min(front, key=lambda b: abs(b.speed_m_s - speed_m_s))
 
     def papers(rate: float) -> Steady:
-        return steady_gait(ROBOT, GROUND, Gait(*PAPERS_OPTIMUM, rate))
+        return steady_gait(ROBOT, GROUND, replace(PATH_GAIT, omega_rad_s=rate))
 
     around = 0.2 * best.gait.omega_rad_s, 5 * best.gait.omega_rad_s
     rate: Any = brentq(lambda rate: papers(rate).speed_m_s - best.speed_m_s, *around)
@@ -164,8 +162,9 @@ def claims(
 def _formulations(closed: Comparison, opened: Comparison) -> list[Claim]:
     theta, smooth = (float(np.abs(run.angle_rad).max()) for run in (closed, opened))
     when = float(closed.t_s[np.abs(closed.angle_rad).argmax()])
-    early = float(closed.velocity_m_s[closed.t_s < RINGING_S].max())
-    settled = float(closed.velocity_m_s[closed.t_s > SETTLED_S].max())
+    ringing_s, settled_s = 0.2, 8.0  # Times until which the springs ring, and from which they rest.
+    early = float(closed.velocity_m_s[closed.t_s < ringing_s].max())
+    settled = float(closed.velocity_m_s[closed.t_s > settled_s].max())
     gaits = [replace(PATH_GAIT, omega_rad_s=rate) for rate in (5.0, 10.0, 20.0)]
     errors = [steady_springs(ROBOT, GROUND, gait).modelling_error for gait in gaits]
     return [
@@ -195,14 +194,18 @@ def _formulations(closed: Comparison, opened: Comparison) -> list[Claim]:
 
 def _optima(front: Sequence[LeastPower]) -> list[Claim]:
     gaits = [best.gait for best in front]
-    alpha, beta = np.degrees([(gait.alpha_rad, gait.beta_rad) for gait in gaits]).T
+    angles = np.degrees([(gait.alpha_rad, gait.beta_rad) for gait in gaits])
+    alpha, beta = angles.T
     rate, speed = np.array([(best.gait.omega_rad_s, best.speed_m_s) for best in front]).T
     bend = float(np.ptp(rate / speed) / (rate / speed).mean())
     low, high = dearer(front, 0.1), dearer(front, 0.5)
     waves = 6 * beta / 360
-    pairs = zip((alpha, beta), GRID_DEG, strict=True)
-    inside = np.all([(first < angles) & (angles < last) for angles, (first, last) in pairs], axis=0)
-    flat = ": the valley is flat" if max(low, high) < FLAT else ""
+    first, last = np.array([[5, 20], [75, 90]])  # amplitude and lag at the ends of the paper's grid
+    inside = np.all([first < angles, angles < last], axis=(0, 2))
+    near_deg = 4.0  # Error of an angle that was read in the paper, to a step of its grid or so.
+    near_waves = 0.05 + 6 * near_deg / 360  # Error of 1.3 waves, which may be rounded, and so read.
+    flat_share = 0.05
+    flat = ": the valley is flat" if max(low, high) < flat_share else ""
     return [
         Claim(
             "Fig. 8",
@@ -221,19 +224,19 @@ def _optima(front: Sequence[LeastPower]) -> list[Claim]:
             "beta is 80 deg at every speed",
             f"{min(beta):.1f} to {max(beta):.1f} deg; (30, 80) deg costs {100 * low:.1f} % more "
             f"at 0.1 m/s and {100 * high:.1f} % at 0.5{flat}",
-            _verdict_within(NEAR_DEG, beta - 80),
+            _verdict_within(near_deg, beta - 80),
         ),
         Claim(
             "Fig. 11",
             "alpha is 30 deg at every speed",
             f"{alpha[2]:.1f} deg at {speed[2]:g} m/s, {alpha[-1]:.1f} at {speed[-1]:g}",
-            _verdict_within(NEAR_DEG, alpha - 30),
+            _verdict_within(near_deg, alpha - 30),
         ),
         Claim(
             "text",
             "1.3 waves on the body",
             f"{min(waves):.2f} to {max(waves):.2f}",
-            _verdict_within(NEAR_WAVES, waves - 1.3),
+            _verdict_within(near_waves, waves - 1.3),
         ),
     ]
 

@@ -32,9 +32,6 @@ if TYPE_CHECKING:
 
     from ..base.vectors import Array
 
-RATE_RATIOS = np.linspace(0.2, 2.0, 19)  # Rates of a state's curve, over its own rate.
-MOST_CURVES = 4  # Shapes of a sweep that can be told apart in one figure.
-
 
 def figure_of(result: Any, path: Path | None, **details: Any) -> Figure:
     """Return the figure of a result, written into a file if one is given."""
@@ -63,7 +60,7 @@ def comparison_figure(compared: Comparison, path: Path | None) -> Figure:
 def steady_figure(state: Steady, path: Path | None) -> Figure:
     """Draw speed and power of a gait over its frequency, and a dot at its own."""
     gait, states = state.gait, list[Steady]()
-    for rate in (RATE_RATIOS * gait.omega_rad_s).tolist():
+    for rate in (np.linspace(0.2, 2.0, 19) * gait.omega_rad_s).tolist():
         faster = replace(gait, omega_rad_s=rate)
         with suppress(NotConverged):
             states.append(steady_gait(state.robot, state.ground, faster, rtol=1e-3))
@@ -85,7 +82,8 @@ def sweep_figure(grid: Sweep, path: Path | None) -> Figure:
     tables = [getattr(grid, name) for name in names if getattr(grid, name) is not None]
     tables = [values.reshape(-1, hertz.size) for values in tables]
     shapes = list(product(np.degrees(grid.alpha_rad), np.degrees(grid.beta_rad)))
-    if len(tables[0]) > MOST_CURVES:
+    most_curves = 4  # Shapes that can be told apart in one figure.
+    if len(tables[0]) > most_curves:
         return power_of(grid, [], title, path)
     with figure(8.4, 4.2, 2, path=path) as (fig, axes):
         for k, (color, speed, power, *servo) in enumerate(zip(COLOURS, *tables, strict=False)):

@@ -11,14 +11,13 @@ from ..simulation.run import Run
 from ..simulation.scene_file import scene_values
 from .report import show, warn
 
-STATE = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
-FORCES = ("joint_force_x_n", "joint_force_y_n", "joint_torque_nm", "friction_x_n", "friction_y_n")
-
 
 def run_summary(run: Run, errors: bool = True) -> dict[str, Any]:
     """Return what a run came to; errors=False leaves out what costs more runs."""
     scene = run.scene
     speed = run.last_speed_m_s
+    state = "x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s"
+    joint_loads = "joint_force_x_n", "joint_force_y_n", "joint_torque_nm"
     summary = {
         "formulation": scene.formulation,
         "method": scene.method,
@@ -28,7 +27,7 @@ def run_summary(run: Run, errors: bool = True) -> dict[str, Any]:
         "local_error": run.local_error if scene.adaptive else None,
         "displacement_m": run.travel_m,
         "speed_over_last_period_m_s": None if np.isnan(speed) else speed,
-        "end": {name: getattr(run, name)[-1].tolist() for name in STATE},
+        "end": {name: getattr(run, name)[-1].tolist() for name in state},
         "scene": scene_values(scene),
     }
     summary["picked"] = run.picked or None
@@ -36,7 +35,7 @@ def run_summary(run: Run, errors: bool = True) -> dict[str, Any]:
     summary["warnings"] = list(run.warnings) if errors else []
     summary |= {
         f"largest_{name}": np.abs(getattr(run, name)).max(axis=0).tolist()
-        for name in FORCES
+        for name in (*joint_loads, "friction_x_n", "friction_y_n")
         if getattr(run, name).size
     }
     if run.energy_j.size:

@@ -10,12 +10,6 @@ import numpy as np
 from ..base.files import whole_file, write_csv
 from ..periodic.sweep import Sweep
 
-AXES = {
-    "alpha_rad": ("alpha_deg", math.degrees(1)),
-    "beta_rad": ("beta_deg", math.degrees(1)),
-    "omega_rad_s": ("frequency_hz", 1 / math.tau),
-}
-
 
 def write_sweep(grid_states: Sweep, path: Path) -> None:
     """Write a sweep of one robot and ground in the format that the suffix names."""
@@ -25,13 +19,17 @@ def write_sweep(grid_states: Sweep, path: Path) -> None:
         with whole_file(path) as part, part.open("wb") as file:  # NumPy renames an .NPZ
             np.savez_compressed(file, allow_pickle=False, **arrays)
         return
-    scaled = [(arrays.pop(name) * factor).round(12) for name, (_, factor) in AXES.items()]
+    axes = {
+        "alpha_deg": np.degrees(arrays.pop("alpha_rad")),
+        "beta_deg": np.degrees(arrays.pop("beta_rad")),
+        "frequency_hz": arrays.pop("omega_rad_s") / math.tau,
+    }
     columns = {
         name.replace("turn_rad", "turn_deg"): np.degrees(v) if name.startswith("turn") else v
         for name, v in arrays.items()
     }
     columns["converged"] = columns["converged"].astype(int)
-    grid = np.meshgrid(*scaled, indexing="ij")
-    header = [*(name for name, _ in AXES.values()), *columns]
+    grid = np.meshgrid(*(values.round(12) for values in axes.values()), indexing="ij")
+    header = [*axes, *columns]
     cells = [column.flat for column in (*grid, *columns.values())]  # lists take four times as much
     write_csv(path, header, zip(*cells, strict=True))

@@ -16,17 +16,12 @@ from ..base.errors import BadInput
 from ..base.vectors import columns
 from ..model.gait import Gait
 from .arrays import Array
-from .instrument import HELD_SHARE, Measured, held_joints
+from .instrument import Measured, held_joints
 from .made_gait import gait_doubt, measured_gait
 from .result import FilmedRun, Remark
 from .seeing.watch import Watched
 
-SURELY = 4.0  # Standard deviations beyond which the floor has moved.
 MOVED_REFUSE = 0.06  # Largest shift of the floor, in sides of a tag.
-BLUR_CELLS, BLUR_PX = 0.2, 1.0  # Width of an edge, in cells of the tag, and at least.
-# Errors over sigmas, rms, of films of 1/30 s of exposure, 25 ms of readout, 48 degrees aslant.
-BLURRED = 2.5
-CENTRE_RAD = math.radians(1.0)  # Error of a joint's centre from which a trim is worth it.
 PHASE_RAD = math.radians(45.0)  # Lag behind the other joints that no servo has.
 
 
@@ -64,9 +59,9 @@ def _side_px(w: Watched) -> float:
 
 
 def _camera_moved(w: Watched) -> float:
-    """Return by how much the floor surely moved, in sides of a tag."""
+    """Return by how much the floor moved at least, in sides of a tag: less four sigmas."""
     shifts = () if w.plain_floor else w.shifts
-    distances_px = [math.hypot(x, y) - SURELY * sigma for _, x, y, sigma in shifts]
+    distances_px = [math.hypot(x, y) - 4.0 * sigma for _, x, y, sigma in shifts]
     return max([0.0, *distances_px]) / _side_px(w)
 
 
@@ -83,8 +78,10 @@ def _camera_words(w: Watched, _: float) -> str:
 
 def blur_factor(w: Watched) -> float:
     """Return by what factor blur widens the standard deviations of a film's numbers."""
-    wide = np.nanquantile(w.edge_px, 0.9) > BLUR_PX
-    return BLURRED if wide and _edge_cells(w) > BLUR_CELLS else 1.0
+    least_px, least_cells = 1.0, 0.2  # Widths of a blurred edge, in pixels and in cells of the tag.
+    blurred = np.nanquantile(w.edge_px, 0.9) > least_px and _edge_cells(w) > least_cells
+    # Errors over sigmas, rms, of films of 1/30 s of exposure, 25 ms of readout, 48 deg aslant.
+    return 2.5 if blurred else 1.0
 
 
 def _edge_cells(w: Watched) -> float:
@@ -141,7 +138,8 @@ def _centres(filmed: Filmed) -> tuple[Array, Array]:
     run, gait = filmed
     offset, sigma = columns(run.joints, "offset_rad", "offset_sigma_rad")
     excess = offset - (gait.offset_rad if gait else 0.0)
-    return excess, np.abs(excess) / np.maximum(CENTRE_RAD, 2 * sigma)
+    # An error of 1 degree is worth a trim.
+    return excess, np.abs(excess) / np.maximum(math.radians(1.0), 2 * sigma)
 
 
 def _centre_words(filmed: Filmed, _: float) -> str:
@@ -223,8 +221,8 @@ CHECKS = (
         "followed", "hidden joint", lambda track: 1 - held_joints(track).mean(axis=0).min(),
         lambda track, hidden: f"joint {held_joints(track).mean(axis=0).argmin() + 1} can be "
         f"measured in {1 - hidden:.0%} of the frames: a tag beside it is hidden or out of the "
-        f"picture. {HELD_SHARE:.0%} are needed; keep the whole robot in the picture",
-        refuse=1 - HELD_SHARE,
+        "picture. 15% are needed; keep the whole robot in the picture",
+        refuse=0.85,  # share of the frames: of a joint that is held less no sine can be fitted
     ),
     Check(
         "moved", "still", lambda m: -m.motion.amplitude_rad.max(),

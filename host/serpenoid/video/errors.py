@@ -13,13 +13,11 @@ import numpy as np
 
 from ..base.sines import basis
 from .arrays import Array, Places
-from .fitting.bundle import READOUT, Bundle
+from .fitting.bundle import Bundle
 from .fitting.chain import wrapped
 from .fitting.frames import Track
 from .motion import Motion, fit_motion, mean_variance, path_basis, sine_covariance
 from .seeing.sightings import Sightings
-
-STEP = 0.3  # Difference, in standard deviations, by which the camera's doubt is carried on.
 
 
 def number_sigmas(
@@ -38,7 +36,7 @@ def number_sigmas(
     amplitude, count = motion.amplitude_rad, len(motion.amplitude_rad)
     # What a slow readout does, which to first order is allowed for: each joint's part of it, as a
     # phase; and the share of speed and rate that it takes off or adds.
-    readout_s, height = bundle.camera.shared[READOUT], sightings.image_px[1]
+    readout_s, height = bundle.camera.readout_s, sightings.image_px[1]
     rows = np.ma.masked_invalid(sightings.corners_px[..., 1]).mean(axis=(0, 2)) / height - 0.5
     delay = readout_s * motion.omega_rad_s * 0.5 * (rows[1:] + rows[:-1])
     first, last = bundle.camera.plane_px(sample.states[[0, -1], :2])[:, 1] / height
@@ -109,6 +107,7 @@ def _of_camera(bundle: Bundle, track: Track, motion: Motion, picked: Places) -> 
     degrees, together by hundredths.
     """
     assert track.by_shared is not None
+    step = 0.3  # Difference, in standard deviations, by which the camera's doubt is carried on.
     weights = motion.weight[picked], motion.path_weight[picked]
 
     def numbers(states: Array) -> Array:
@@ -121,7 +120,7 @@ def _of_camera(bundle: Bundle, track: Track, motion: Motion, picked: Places) -> 
     base = numbers(track.states)
     variance = np.zeros(len(base))
     for size, direction in zip(sizes, directions.T, strict=True):
-        change = numbers(track.states + STEP * size * (track.by_shared @ direction)) - base
+        change = numbers(track.states + step * size * (track.by_shared @ direction)) - base
         change[1:-2] = wrapped(change[1:-2])
-        variance += (change / STEP) ** 2
+        variance += (change / step) ** 2
     return np.sqrt(variance)

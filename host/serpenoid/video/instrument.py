@@ -17,7 +17,6 @@ from .seeing.sightings import Sightings
 
 EXPECTED_SIGMA_RAD = np.radians(15.0)  # Sigma of a link without tag, from its neighbours in time.
 KNOWN_RAD = np.radians(2.0)  # Sigma of a hidden link's heading by its joints' own sines.
-HELD_SHARE = 0.15  # Share of the frames: a joint that is held less has no sine to be fitted.
 
 
 @dataclass(frozen=True)

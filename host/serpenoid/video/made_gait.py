@@ -15,11 +15,6 @@ from ..model.gait import Gait, gait_name
 from .arrays import Array
 from .result import FilmedRun, FilmMeasurement, track_rows
 
-LEAST_GAIN = 0.5  # Share of the amplitude that every servo keeps.
-ALIKE_SHARE = 0.15  # Relative difference of two gaits' amplitudes; phase lags: twice that, rad.
-SLOW_MOTION = 1.5  # Commanded rate over the filmed one; no robot lags behind its gait so much.
-WHOLE_TOLERANCE = 0.03  # Relative distance of a phone's slow motion from a whole number.
-
 
 def measured_gait(run: FilmedRun, gait: Gait | None) -> Gait:
     """Return the gait that the joints made: gains and shifts beside the commanded one.
@@ -48,12 +43,18 @@ def gait_doubt(run: FilmedRun, stated: Gait | None, planned: Sequence[Gait] = ()
     Servos lose amplitude, so less of it is no other gait; more is, and so is less than half.
     """
     filmed = measured_gait(run, None)
+    least_gain, largest_gain = 0.5, 1.15
+    largest_lag_rad = 0.3  # Difference of the phase lags of one gait, stated and filmed.
+    # Ratio of rates from which a film may be slow motion: no robot lags behind its gait so much.
+    # A phone's slow motion is a whole number, to a relative error.
+    least_ratio, whole_error = 1.5, 0.03
     for gait in [stated] if stated else planned:
         ratio = gait.omega_rad_s / run.omega_rad_s
-        same_bend = LEAST_GAIN <= filmed.alpha_rad / max(gait.alpha_rad, 1e-9) <= 1.0 + ALIKE_SHARE
-        same_lag = abs(math.remainder(filmed.beta_rad - gait.beta_rad, math.tau)) <= 2 * ALIKE_SHARE
+        same_bend = least_gain <= filmed.alpha_rad / max(gait.alpha_rad, 1e-9) <= largest_gain
+        lag_rad = math.remainder(filmed.beta_rad - gait.beta_rad, math.tau)
+        same_lag = abs(lag_rad) <= largest_lag_rad
         same_rate = abs(ratio - 1.0) <= max(0.02, 4 * run.omega_sigma_rad_s / run.omega_rad_s)
-        slow = ratio > SLOW_MOTION and abs(ratio / round(ratio) - 1.0) < WHOLE_TOLERANCE
+        slow = ratio > least_ratio and abs(ratio / round(ratio) - 1.0) < whole_error
         words = f"the film shows the gait {gait_name(filmed)}"
         if same_bend and same_lag and slow:
             played = played_hz([0.0, 1.0 / (run.time_scale * run.film["frame_rate_hz"])])

@@ -16,8 +16,6 @@ from .arrays import Array, Complex
 from .fitting.chain import joint_angles, mean_heading, wrapped
 from .fitting.frames import Track
 
-STRAIGHT_RAD = 1e-9  # Turn over the film below which it is none: its formula divides by it.
-
 
 @dataclass(frozen=True)
 class Motion:
@@ -107,7 +105,8 @@ def mean_variance(residual: Array, weight: Array, unknowns: int) -> float:
 def path_basis(t_s: Array, omega: float, turn: float) -> Complex:
     """Return the columns of the path's formula: 1, V's, then e^{i (W + k w) t}."""
     rotation = np.exp(1j * turn * t_s)
-    travel = t_s + 0j if abs(turn) * np.ptp(t_s) < STRAIGHT_RAD else (rotation - 1) / (1j * turn)
+    straight_rad = 1e-9  # Turn over the film below which it is none: the formula divides by it.
+    travel = t_s + 0j if abs(turn) * np.ptp(t_s) < straight_rad else (rotation - 1) / (1j * turn)
     orders = [k for k in range(-HARMONICS, HARMONICS + 1) if k]
     waves = [rotation * np.exp(1j * k * omega * t_s) for k in orders]
     return np.stack([np.ones_like(travel), travel, *waves], axis=1)

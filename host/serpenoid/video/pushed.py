@@ -18,8 +18,6 @@ from .instrument import fill_hidden, follow
 from .measure_film import refusals, seen_film
 from .result import Remark
 
-STILL_DEG = 3.0  # Robust deviation of a joint from which it is driven, or loose.
-
 
 @dataclass(frozen=True)
 class PushedRobot:
@@ -93,7 +91,8 @@ def still_joints(phi: Array, visible: Mask) -> Array:
     angle = np.ma.array(phi, mask=~(visible[:, 1:] & visible[:, :-1]))
     held_rad = np.ma.median(angle, axis=0)
     moved_deg = np.ma.filled(np.degrees(1.4826 * np.ma.median(abs(angle - held_rad), axis=0)), 0.0)
-    if moved_deg.max() > STILL_DEG:
+    loose_deg = 3.0  # Robust deviation of a joint from which it is driven, or loose.
+    if moved_deg.max() > loose_deg:
         raise BadInput(
             f"joint {moved_deg.argmax() + 1} moves by {moved_deg.max():.0f}° in this film: a push "
             "needs joints that hold still, and one bend a film; a crawl is measured by `serpenoid "

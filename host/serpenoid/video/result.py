@@ -14,7 +14,6 @@ from ..base.files import write_csv
 from ..base.rows import Result, Row
 from ..model.gait import Gait
 from .arrays import Array
-from .fitting.bundle import READOUT
 from .fitting.chain import joint_angles, mean_heading, wrapped
 from .instrument import Measured
 from .seeing.watch import Watched
@@ -138,7 +137,7 @@ def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> Filme
         time_scale=time_scale * film.time_scale,
         camera={
             "focal_px": camera.focal_px,
-            "readout_s": float(camera.shared[READOUT]),
+            "readout_s": float(camera.readout_s),
             "tag_side_m": camera.side_m,
             "printed_side_m": bundle.side_m,
         },

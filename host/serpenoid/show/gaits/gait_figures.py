@@ -23,8 +23,6 @@ from ..plot import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-TRAVELS_M_S = 1e-3  # Speed below which a gait stays where it is.
-
 
 def optimum_figure(best: Sequence[LeastPower], title: str, path: Path) -> None:
     """Draw the optimum's rate, lag and amplitude against speed (Figs. 9, 10, 11)."""
@@ -77,8 +75,8 @@ def power_of(
     path: Path | None,
 ) -> Figure:
     """Draw the power of all gaits against speed, and the least (Fig. 8)."""
-    watts = cloud.power_w
-    travels = cloud.converged & (cloud.speed_m_s > TRAVELS_M_S) & (watts > 0)
+    watts, least_m_s = cloud.power_w, 1e-3  # below this speed a gait stays where it is
+    travels = cloud.converged & (cloud.speed_m_s > least_m_s) & (watts > 0)
     speed = [b.speed_m_s for b in front]
     with figure(7.2, 5.0, path=path) as (fig, ax):
         words = f"{int(travels.sum())} gaits that travel"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...gaits.limits import LIMIT_NAMES, REACHED
+from ...gaits.limits import LIMITS, REACHED
 from ...model.gait import gait_name
 from ...servos.speed_limit import is_too_fast
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 def beside_ideal(best: LeastPower, ideal: LeastPower, servo: Servo | ServoKind | None) -> str:
     """Return what limits a gait, and what the optimum without limits would cost and risk."""
-    active = [name for name in best.active if name != LIMIT_NAMES["kept_speed_share"]]
+    active = [name for name in best.active if name != LIMITS["kept_speed_share"][0]]
     words = f"Limited by {', '.join(active)}. " if active else ""
     kept_share = best.limits.kept_speed_share
     if 1 - best.losses.worst < kept_share * (1 - REACHED):

@@ -18,14 +18,6 @@ if TYPE_CHECKING:
 
 PAPERS_MM = {"a4": (210.0, 297.0), "letter": (215.9, 279.4)}
 MARGIN_MM = 12.0  # Width of the rim that no printer reaches.
-WORDS = """\
-1. Print at 100 % ("actual size") on matt paper. The ruler below must be 100 mm long, a black \
-square {:g} mm.
-2. Cut along the dashed lines: the white rim belongs to the tag.
-3. Put number 1 on the TAIL link, then 2, 3, ... to the head; in the middle of each link, flat, \
-all at one height.
-4. The arrow points to the HEAD. Lay it along the link as well as you can: within 1° for the \
-tail's and the head's tag."""
 
 
 def tag_sheet(
@@ -49,7 +41,15 @@ def tag_sheet(
     ax.axis("off")
     title = f"Tags for a robot of {len(cells)} links of {1e3 * link_m:g} mm"
     ax.text(MARGIN_MM, top, title, fontsize=13, va="top", weight="bold")
-    words = WORDS.format(side_mm)
+    words = (
+        '1. Print at 100 % ("actual size") on matt paper. The ruler below must be 100 mm long, a '
+        f"black square {side_mm:g} mm.\n"
+        "2. Cut along the dashed lines: the white rim belongs to the tag.\n"
+        "3. Put number 1 on the TAIL link, then 2, 3, ... to the head; in the middle of each link, "
+        "flat, all at one height.\n"
+        "4. The arrow points to the HEAD. Lay it along the link as well as you can: within 1° for "
+        "the tail's and the head's tag."
+    )
     ax.text(MARGIN_MM, top - 8, words, fontsize=8.2, va="top", linespacing=1.45)
     for k, place in enumerate(places):
         _tag(ax, cells[k], k + 1, side_mm, *place)

@@ -13,21 +13,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..seeing.sightings import Sightings
-from .camera import LENS, MOUNTING, Camera
+from .camera import LENS, Camera
 
-SETTLED_DAMPING, LOST_DAMPING = 1e-6, 1e6  # Damping of a step: the fit is found, or lost.
-SCALED_LINKS = 3  # Fewest links, of which one has two joints and so tells its length.
 OUTLIER = 3.0  # Residual of a tag, in sigmas, from which its weight falls.
-SIDE_ALIKE = 0.025  # Relative difference of a tag's side from the links' scale: tags put on askew.
-# Sigmas before any film: focal length (log), k1, k2, principal point (of the longer side), tilts,
-# distance (log), the tag's printed side (log; a rule is held against the sheet), readout (s).
-LENS_SIGMA = np.array([0.5, 0.1, 0.04, 0.01, 0.01, 10.0, 10.0, 10.0, 0.01, 0.012])
-# Sigmas of a tag that a person puts on: place m, turn rad, height m, slopes.
-MOUNTING_SIGMA = np.array([0.005, 0.005, np.radians(2.0), 0.002, 0.03, 0.03])
-# Factor of the frames' scatter. Errors of edges follow the tags' angle and place, so that frames
-# are not independent (found by films of known truth).
-SLOW = 2.0
-READOUT = LENS.index("readout_s")
 # Weight that keeps a frame's own state, else free, from running away where no tag holds it.
 LOOSE_PER_RAD = 1.0 / np.radians(30.0)
 
@@ -52,10 +40,11 @@ class Bundle:
     def scale_off(self) -> float:
         """Return how far links and tags disagree, relative: then all lengths may be as far off.
 
-        0 up to SIDE_ALIKE.
+        0 for what comes of tags put on askew, and for two links, of which none has two joints that
+        tell its length.
         """
-        excess = abs(self.camera.side_m / self.side_m - 1.0)
-        return excess if excess > SIDE_ALIKE and self.camera.links >= SCALED_LINKS else 0.0
+        excess, askew, pair = abs(self.camera.side_m / self.side_m - 1.0), 0.025, 2
+        return excess if excess > askew and self.camera.links > pair else 0.0
 
 
 def fit(
@@ -71,16 +60,20 @@ def fit(
 
     rough: with a plain lens and a fixed noise, so that costs of several starts can be compared.
     """
-    prior_mean = np.zeros_like(camera.shared)
-    prior_mean[0], prior_mean[8] = np.log(0.9), np.log(side_m)
-    prior_mean[5:8] = camera.shared[5:8]
-    prior_mean[READOUT] = 0.012
-    prior_mean[len(LENS) + 2 :: len(MOUNTING)] = turns
-    sigma = np.concatenate([LENS_SIGMA, np.tile(MOUNTING_SIGMA, camera.links)])
+    # Means and sigmas before any film: focal length (log), k1, k2, principal point (of the longer
+    # side), tilts, distance (log), the tag's printed side (log; a rule is held against the sheet),
+    # readout (s); and of each tag that a person puts on: place m, turn rad, height m, slopes.
+    lens_mean = [np.log(0.9), 0, 0, 0, 0, *camera.shared[5:8], np.log(side_m), 0.012]
+    lens_sigma = [0.5, 0.1, 0.04, 0.01, 0.01, 10.0, 10.0, 10.0, 0.01, 0.012]
+    mounting_sigma = [0.005, 0.005, np.radians(2.0), 0.002, 0.03, 0.03]
+    mean = replace(camera, shared=np.append(lens_mean, np.zeros(6 * camera.links)))
+    prior_mean = mean.with_turns(turns).shared
+    sigma = np.append(lens_sigma, mounting_sigma * camera.links)
     if rough:
         sigma[1:5] *= 0.05  # distortion and principal point
     point = _Point(sightings, states, prior_mean, sigma, camera, states, noise_px=0.3)
     damping, cost = 1e-3, point.cost()
+    settled_damping, lost_damping = 1e-6, 1e6
     for _ in range(steps):
         trial = point.moved(damping)
         new_cost = trial.cost()
@@ -89,18 +82,18 @@ def fit(
             damping = max(damping / 5, 1e-9)
             point = trial if rough else replace(trial, noise_px=trial.noise())
             cost = point.cost()
-            if gained < 1e-5 * new_cost and damping < SETTLED_DAMPING:
+            if gained < 1e-5 * new_cost and damping < settled_damping:
                 break
         else:
             damping *= 8
-            if damping > LOST_DAMPING:
+            if damping > lost_damping:
                 break
     return Bundle(point.camera, point.covariance(), point.noise_px, side_m, turns, cost)
 
 
 def misses(camera: Camera, states: Array, s: Sightings) -> Array:
     """Return found less expected pixels (frames, links, 4, 2), 0 where nothing was found."""
-    image = camera.image(camera.corners(states)) + camera.shared[READOUT] * s.skew
+    image = camera.image(camera.corners(states)) + camera.readout_s * s.skew
     return np.where(s.visible[..., None, None], s.corners_px - image, 0.0)
 
 
@@ -123,7 +116,7 @@ def equations(
     columns = residual[..., None]
     if shared:
         by_shared = camera.by_shared(states)
-        by_shared[..., READOUT] = s.skew
+        by_shared[..., len(LENS) - 1] = s.skew
         columns = np.concatenate([by_shared, columns], axis=-1)
     # A tag that was not found may be expected behind the camera, at NaN.
     a, b = (np.where(root > 0, part * root, 0.0) for part in (camera.by_states(states), columns))
@@ -206,5 +199,7 @@ class _Point:
         inverse = np.linalg.inv(matrix)
         frames = len(score)
         centred = score - score.mean(axis=0)
-        scatter = SLOW * centred.T @ centred * frames / (frames - 1)
+        # The frames' scatter counts twice: errors of edges follow the tags' angle and place, so
+        # that frames are not independent (found by films of known truth).
+        scatter = 2.0 * centred.T @ centred * frames / (frames - 1)
         return inverse @ (scatter + np.diag(1 / self.sigma**2)) @ inverse

@@ -31,7 +31,7 @@ LENS = (
     "readout_s",
 )
 MOUNTING = ("dx_m", "dy_m", "turn_rad", "height_m", "slope_x", "slope_y")
-CORNERS = 0.5 * np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
+
 STEP = 1e-6  # Step of an unknown, for the pixels' derivatives by differences.
 
 
@@ -54,6 +54,11 @@ class Camera:
         """Return the focal length, px."""
         return float(max(self.image_px) * np.exp(self.shared[0]))
 
+    @property
+    def readout_s(self) -> float:
+        """Return the time from the first row to the last one, s."""
+        return self.shared[LENS.index("readout_s")]
+
     def with_turns(self, turns: Array) -> Camera:
         """Return the camera with every tag turned on its link, (links,) rad."""
         shared = self.shared.copy()
@@ -75,7 +80,7 @@ class Camera:
         """Return the corners in their link's frame, (links, 4, 2), and their heights (links, 4)."""
         mounting = self.shared[len(LENS) :].reshape(self.links, len(MOUNTING), 1)
         dx, dy, turn, height, slope_x, slope_y = mounting.transpose(1, 0, 2)
-        x, y = self.side_m * CORNERS.T
+        x, y = self.side_m * 0.5 * np.array([[-1, 1, 1, -1], [1, 1, -1, -1]])
         cos, sin = np.cos(turn), np.sin(turn)
         flat = np.stack([dx + cos * x - sin * y, dy + sin * x + cos * y], axis=-1)
         return flat, height + slope_x * x + slope_y * y

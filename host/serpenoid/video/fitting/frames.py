@@ -10,8 +10,6 @@ from ..arrays import Array
 from ..seeing.sightings import Sightings
 from .bundle import Bundle, equations, misses, rms
 
-CHUNK = 400  # Frames that are fitted at once: memory stays small for long films.
-
 
 @dataclass(frozen=True)
 class Track:
@@ -47,8 +45,9 @@ def fit_states(
     camera, parts = fit.camera, []
     prior_weight = np.full(expected.shape[1], 1 / expected_sigma_rad**2)
     prior_weight[:2] = 1e-6
-    for first in range(0, len(expected), CHUNK):
-        cut = slice(first, first + CHUNK)
+    # 400 frames are fitted at once: memory stays small for long films.
+    for first in range(0, len(expected), 400):
+        cut = slice(first, first + 400)
         s, states, steps = sightings.picked(cut), expected[cut], 6
         while True:
             a, residual = equations(camera, states, s, fit.noise_px)

@@ -12,8 +12,6 @@ from ..seeing.sightings import Sightings
 from .camera import LENS, MOUNTING, Camera
 from .chain import filled_headings, link_centres
 
-FOCALS = (0.6, 0.75, 0.95, 1.3, 2.0)  # Focal lengths over the picture's longer side.
-
 
 def first_cameras(sightings: Sightings, link_m: float, side_m: float) -> list[Camera]:
     """Return cameras to start from, best first.
@@ -28,8 +26,8 @@ def first_cameras(sightings: Sightings, link_m: float, side_m: float) -> list[Ca
     tilts = np.radians(np.arange(8, 73, 8))[:, None, None] * np.stack(
         [np.cos(around), np.sin(around)], axis=-1
     )
-    candidates = []
-    for focal, tilt in product(FOCALS, [np.zeros(2), *tilts.reshape(-1, 2)]):
+    focals, candidates = (0.6, 0.75, 0.95, 1.3, 2.0), []  # over the picture's longer side
+    for focal, tilt in product(focals, [np.zeros(2), *tilts.reshape(-1, 2)]):
         shared = np.zeros(len(LENS) + len(MOUNTING) * sightings.links)
         shared[0], shared[8] = np.log(focal), np.log(side_m)
         shared[5:7] = tilt

@@ -9,9 +9,7 @@ import numpy as np
 from ..arrays import Grey
 
 INTERVAL_S = 0.5  # Time between the frames that are compared with the first one.
-MIN_POINTS = 12  # Fewest points whose common motion is trusted.
 PATCH_PX = 21  # Side of the square round each followed point.
-MAX_ERROR_PX = 1.0  # Deviation from the floor's common motion; points beyond it are on a foot.
 
 
 class Background:
@@ -55,18 +53,20 @@ class Background:
         self.looks += 1
         if self._points is None:
             return
+        max_error_px = 1.0  # Deviation from the common motion; points beyond it are on a foot.
+        min_points = 12  # Fewest points whose common motion is trusted.
         later = _even(np.ascontiguousarray(picture))
         forward_points, status = self._follow(self._first, later, self._points)
         returned_points, returned_status = self._follow(later, self._first, forward_points)
         distance = np.linalg.norm(returned_points - self._points, axis=2).ravel()
         is_good = (status & returned_status).ravel() == 1
-        is_good &= distance < MAX_ERROR_PX
-        if is_good.sum() < max(MIN_POINTS, len(is_good) / 3):
+        is_good &= distance < max_error_px
+        if is_good.sum() < max(min_points, len(is_good) / 3):
             return
         start, end = self._points[is_good, 0], forward_points[is_good, 0]
-        _, inliers = cv2.estimateAffinePartial2D(start, end, ransacReprojThreshold=MAX_ERROR_PX)
+        _, inliers = cv2.estimateAffinePartial2D(start, end, ransacReprojThreshold=max_error_px)
         is_common = inliers.ravel() == 1
-        if is_common.sum() >= max(MIN_POINTS, is_good.sum() / 2):
+        if is_common.sum() >= max(min_points, is_good.sum() / 2):
             # Fit translation, rotation and growth of the picture by least squares, with points as
             # complex numbers: shift = mean + growth (point - middle). The shift reported is the
             # largest of the window's corners, so that a rotation about its middle counts too.

@@ -15,8 +15,6 @@ from ..arrays import Array, Grey, Mask
 ALONG = np.linspace(0.1, 0.9, 13)  # Places at which an edge is read, as a share of it.
 CELLS = 6
 ACROSS = np.linspace(-1.0, 1.0, 25)
-LEAST_POINTS = 5
-LEAST_CONTRAST = 12.0  # Grey levels that an edge rises by.
 
 
 def refine(picture: Grey, quads: Array) -> tuple[Array, Array]:
@@ -81,7 +79,8 @@ def _crossings(profile: Array) -> tuple[Array, Array]:
         share = (profile - dark[..., None]) / rise[..., None]
     crossings = [_passes(share, level) for level in (0.25, 0.5, 0.75)]
     contrast = np.quantile(rise, 0.5, axis=(-2, -1), keepdims=True)
-    is_edge = (rise > 0.5 * contrast) & (rise > LEAST_CONTRAST)
+    # An edge rises by half of the contrast of the picture's edges, and by 12 grey levels.
+    is_edge = rise > np.maximum(0.5 * contrast, 12.0)
     return np.where(is_edge, crossings[1], np.nan), np.abs(crossings[2] - crossings[0])
 
 
@@ -122,7 +121,8 @@ def _line(offset: Array, mask: Mask) -> Array:
     with np.errstate(invalid="ignore", divide="ignore"):
         slope = (n * sxy - sx * sy) / (n * sxx - sx * sx)
         line = np.stack([(sy - slope * sx) / n, slope], axis=-1)
-    return np.where((n >= LEAST_POINTS)[..., None], line, np.nan)
+    fewest_points = 5
+    return np.where((n >= fewest_points)[..., None], line, np.nan)
 
 
 def _cut(start: Array, edge: Array, outward: Array, lines: Array) -> Array:

@@ -6,12 +6,11 @@ from importlib.util import find_spec
 
 from ...base.errors import BadInput
 
-PACKAGES = {"av": "av", "cv2": "opencv-python-headless"}  # Modules and their names on PyPI.
-
 
 def need_extra() -> None:
     """Raise BadInput, with the command that installs them, if packages are missing."""
-    missing = [package for module, package in PACKAGES.items() if find_spec(module) is None]
+    packages = {"av": "av", "cv2": "opencv-python-headless"}  # Modules and their names on PyPI.
+    missing = [package for module, package in packages.items() if find_spec(module) is None]
     if missing:
         raise BadInput(
             f"films and tags need {' and '.join(missing)}, not installed here: "

@@ -16,8 +16,6 @@ from ...model.capture_rate import OPTION, CaptureRate, capture_rate
 from ..arrays import Grey
 from .extra import need_extra
 
-CAPTURE_TAG = "capture.fps"  # End of the tag's name in which Android phones say it.
-
 
 @dataclass(frozen=True)
 class Film:
@@ -62,7 +60,7 @@ class Film:
                 rates = {
                     f"the tag {name}": float(text)
                     for name, text in tags.items()
-                    if name.endswith(CAPTURE_TAG) and re.fullmatch(r"[\d.]+", text)
+                    if name.endswith("capture.fps") and re.fullmatch(r"[\d.]+", text)  # Android's
                 }
                 if capture_fps is not None:
                     rates = {OPTION: capture_fps}

@@ -7,15 +7,14 @@ from ..arrays import Mask
 from .detect import dictionary
 from .edges import CELLS
 
-MOST_LINKS = 13
-# Sides of tags, far apart: a link's length that is typed a little wrong leaves the printed side.
-SIDES_MM = (8, 10, 12, 14, 17, 20, 24, 28, 34, 40, 48, 58)
+MOST_LINKS = 13  # Links of the longest robot whose tags fit on a page.
 
 
 def tag_side_m(link_m: float) -> float:
     """Return the side of the tags that are printed for links of a length, m."""
-    fitting = [side for side in SIDES_MM if side <= 450 * link_m]
-    return max(fitting, default=SIDES_MM[0]) / 1e3
+    # Sides are far apart: a link's length that is typed a little wrong leaves the printed side.
+    sides_mm = 10, 12, 14, 17, 20, 24, 28, 34, 40, 48, 58
+    return max([8, *(side for side in sides_mm if side <= 450 * link_m)]) / 1e3
 
 
 def tag_cells(links: int) -> list[Mask]:
