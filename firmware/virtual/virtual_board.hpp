@@ -1,7 +1,9 @@
-// A board without a board: the firmware's controller on a simulated clock, wire, servos and EEPROM.
+// A simulated board: the firmware's controller with simulated clock, serial line, servos and
+// EEPROM.
 //
-// Time passes in steps of one byte on the wire (40 µs): each step moves one byte each way and lets
-// the controller look at its clock once. Written in C++11, as the firmware's own tests use it too.
+// Time advances in steps of one byte on the line (40 µs). Each step carries one byte in each
+// direction and polls the controller once. It is C++11, because the tests of the firmware include
+// it.
 #pragma once
 
 #include <deque>
@@ -27,7 +29,7 @@ class VirtualBoard : public Hardware {
           attached_(0),
           pulse_us_() {}
 
-    // Begin anew with the same EEPROM, as after a reset; what was on the wire is lost.
+    // Start as after a reset: the EEPROM is kept, bytes on the line are lost.
     void boot(Reset reset, uint32_t first_frame = 0, const char* name = "virtual") {
         to_board_.clear();
         serial_ = SerialQueues();
@@ -43,13 +45,13 @@ class VirtualBoard : public Hardware {
         while (now_us_ < end_us) step();
     }
 
-    // Let time pass without the programme running, as in a hang.
+    // Advance the clock without polling the controller, as if the program hung.
     void stall(uint64_t duration_us) { now_us_ += duration_us; }
 
-    void put(const std::string& bytes) {
+    void send_to_board(const std::string& bytes) {
         to_board_.insert(to_board_.end(), bytes.begin(), bytes.end());
     }
-    std::string take() {
+    std::string take_output() {
         std::string bytes;
         bytes.swap(from_board_);
         return bytes;
@@ -60,7 +62,7 @@ class VirtualBoard : public Hardware {
         return *controller_;
     }
     uint64_t now_us() const { return now_us_; }
-    // How many servos get pulses, from the tail.
+    // The number of servos that get pulses, counted from the tail.
     uint8_t attached() const { return attached_; }
     int16_t servo_us(uint8_t joint) const { return joint < attached_ ? pulse_us_[joint] : 0; }
     std::vector<uint8_t>& eeprom() { return eeprom_; }
@@ -75,9 +77,10 @@ class VirtualBoard : public Hardware {
     void pulses(const int16_t (&pulse_us)[kMaxJoints], uint32_t) override {
         for (uint8_t i = 0; i < attached_; ++i) pulse_us_[i] = pulse_us[i];
     }
-    // As with the Servo library for many joints; for few, as short as a setting may be.
+    // For 8 joints or more as with the Servo library (pulses of 2.5 ms one after the other); for
+    // fewer the least value of the setting `frame`.
     uint16_t min_frame_us() const override {
-        return joint_count <= 7 ? 3000 : 2500 * (joint_count + 1);
+        return joint_count <= 7 ? 3000 : kMaxPulseUs * (joint_count + 1);
     }
     void begin_frames(uint16_t, uint16_t) override {}
     uint16_t unused_ram() override { return 0; }

@@ -1,4 +1,4 @@
-// Time: frames on their grid, what moves in them, telemetry, silence.
+// The timing of the controller: frames, motion within a frame, telemetry, silence.
 #include "controller.h"
 
 #include "boot_counter.h"
@@ -18,7 +18,7 @@ const char kWhyArrived[] FLASH = "arrived";
 const char kWhyLimp[] FLASH = "limp";
 const char kWhyOutput[] FLASH = "output";
 
-const uint16_t kCentreUsPerS = 200;  // how fast a new centre is approached
+const uint16_t kCentreUsPerS = 200;  // rate at which a new centre is approached, µs of pulse a s
 
 }  // namespace
 
@@ -51,7 +51,7 @@ void Controller::begin(const Start& start) {
     greet();
 }
 
-// The frame that the owner wants, as far as the board can keep it. It lasts until the next start.
+// Take the frame of the settings, or the shortest that the board can keep; until the next start.
 void Controller::choose_frame() {
     int32_t& frame_setting_u = settings_.value_u[kFrame];
     const int32_t min_u = hardware_.min_frame_us() * 1000L;
@@ -80,7 +80,8 @@ uint32_t Controller::spare_us() {
 }
 
 bool Controller::quiet() const {
-    const bool waiting = waiting_ != LineReader::kNothing || keys_due_ != 0 || words_due_ != 0;
+    const bool waiting =
+        waiting_ != LineReader::kNothing || key_answers_due_ != 0 || word_answers_due_ != 0;
     return report_ == Report::None && !waiting;
 }
 
@@ -114,7 +115,7 @@ void Controller::move(uint16_t frames) {
     if (state_ == State::Safing && motion_.arrived()) become(State::Safe, kWhyArrived);
 }
 
-// Servos are still to be attached; nothing moves before the last of them is.
+// Whether servos are still to be attached. Nothing moves before the last one is.
 bool Controller::attaching() const {
     return attached_ < joint_count && (state_ == State::Pose || state_ == State::Gait);
 }
@@ -162,7 +163,7 @@ void Controller::watch_silence(uint16_t frames) {
     become(State::Safing, kWhySilence);
 }
 
-// A robot that stands still and whose host has gone goes limp after a while.
+// Release the servos of a robot that stands still, once its host has been silent for long.
 void Controller::watch_limp() {
     const uint32_t limit = static_cast<uint32_t>(settings_.value_u[kLimp]) / frame_us();
     if (limit == 0 || silent_frames_ < limit || state_ == State::Idle || moving()) return;
@@ -189,7 +190,8 @@ void Controller::send_telemetry(uint16_t frames) {
         return;
     }
     telemetry_wait_ = period_frames;
-    // One line passes who waits for an answer; the next gives way, or he might wait for ever.
+    // While an answer waits, one telemetry line may be sent before it. Further ones are dropped, or
+    // the answer might never be sent.
     telemetry_sent_while_waiting_ =
         quiet() ? 0 : static_cast<uint8_t>(telemetry_sent_while_waiting_ + 1);
     if (telemetry_sent_while_waiting_ > 1 || !write_telemetry(line_, frame_))

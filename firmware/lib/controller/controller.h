@@ -1,4 +1,4 @@
-// The state machine between the wire and the servos: sessions, commands, frames, silence,
+// The state machine between the serial line and the servos: sessions, commands, frames, silence,
 // telemetry.
 #pragma once
 
@@ -14,40 +14,40 @@
 
 namespace firmware {
 
-extern const char kVersion[];     // of the firmware, in flash
-extern const char kWhyCommand[];  // the reason of a change of state, in flash
+extern const char kVersion[];     // version of the firmware, in flash
+extern const char kWhyCommand[];  // reason of a change of state by a command, in flash
 const uint8_t kProtocol = 5;
 
 enum class State : uint8_t { Idle, Pose, Gait, Hold, Safing, Safe };
 enum class Reset : uint8_t { Power, Brownout, External, Watchdog, Unknown };
 
-// What only the board knows about this start.
+// Facts about this start that the board passes to its controller.
 struct Start {
     const char* board;  // name, in RAM
     Reset reset;
-    uint32_t first_frame;  // 0 on a board; elsewhere, to try the rollover
+    uint32_t first_frame;  // 0 on a board; tests start just before the number overflows
 };
 
-// Those of `counters:`, by the names that they have on the wire.
+// Counters of the line `counters:`; their names are those on the wire.
 #define FIRMWARE_COUNTERS(X) X(good) X(damaged) X(lost) X(dropped)
 
-// 16-bit counters that stay at their end.
+// 16-bit counters, which stay at 65535 instead of overflowing, and two maxima.
 struct Counters {
 #define FIRMWARE_COUNTER(name) uint16_t name;
     FIRMWARE_COUNTERS(FIRMWARE_COUNTER)
 #undef FIRMWARE_COUNTER
     uint16_t overruns, clipped;
-    uint32_t late_us, longest_pass_us;  // the worst so far
+    uint32_t late_us, longest_pass_us;  // largest values since the start
 };
 
-inline void count(uint16_t& counter, uint16_t more = 1) {
-    counter = counter > 65535U - more ? 65535 : static_cast<uint16_t>(counter + more);
+inline void count(uint16_t& counter, uint16_t events = 1) {
+    counter = counter > 65535U - events ? 65535 : static_cast<uint16_t>(counter + events);
 }
 
-// What a controller remembers. All of it is zero at first: one loop on an AVR instead of fifty
-// stores.
+// The variables of a controller, in one struct that starts as zero: on an AVR one loop clears it,
+// which takes less flash than an instruction for each variable.
 struct Memory {
-    // What a verdict answers; all but Numbered stand on the wire as they are.
+    // The kind of line that a verdict answers. The characters of all but Numbered go on the wire.
     enum class Source : char { Numbered = '#', Typed = '-', StopKey = '!', Damaged = '?' };
     struct Tag {
         Source source;
@@ -67,15 +67,14 @@ struct Memory {
     uint16_t boot_id_, last_number_;
     State state_;
     LoadResult load_result_;
-    Tag tag_, store_tag_;  // of the last line; of the line that asked to save or load
+    Tag tag_, store_tag_;  // tags of the last line, and of the last line that saves or loads
     Error last_error_;     // verdict on last_number_
     LineReader::Event waiting_;
     Report report_;
     uint8_t report_row_;
-    uint8_t
-        telemetry_sent_while_waiting_;  // telemetry lines sent since a line waits for its answer
-    uint8_t keys_due_, words_due_;      // stops obeyed and not answered yet: `!`, `stop`
-    uint8_t attached_, attach_wait_;    // servos from the tail; frames until the next one
+    uint8_t telemetry_sent_while_waiting_;  // telemetry lines since a line waits for its answer
+    uint8_t key_answers_due_, word_answers_due_;  // unanswered stops: by `!`, by `stop`
+    uint8_t attached_, attach_wait_;  // powered servos, from the tail; frames until the next one
     bool session_;
 };
 
@@ -83,15 +82,15 @@ class Controller : private Memory {
   public:
     explicit Controller(Hardware& hardware);
 
-    // Once, after reset.
+    // Call once, after reset.
     OWN_FRAME void begin(const Start& start);
-    // As often as possible; runs a frame when one is due, then handles some input.
+    // Call as often as possible. Runs a frame if one is due, then handles some input.
     OWN_FRAME void poll();
 
     // Time until the next frame.
     uint32_t spare_us();
     uint16_t frame_us() const { return motion_.frame_us(); }
-    // Nothing is to be answered or reported.
+    // Whether no answer and no report is pending.
     bool quiet() const;
     bool uses_eeprom() const { return store_.busy(); }
 
@@ -104,22 +103,24 @@ class Controller : private Memory {
     const Motion& motion() const { return motion_; }
 
   private:
-    // A line is taken up only if all that it may bring forth at once fits the output queue.
-    static const uint8_t kRoom = 165;
-    // What is queued when a frame is due must leave room for the longest telemetry line.
-    static uint16_t telemetry_room() {
+    // A line is handled only if its longest answer fits into the output queue.
+    static const uint8_t kMaxAnswerBytes = 165;
+    // The longest telemetry line, for which the queue must have room whenever a frame is due.
+    static uint16_t max_telemetry_bytes() {
         return static_cast<uint16_t>(95 + 18 * joint_count + kOwnSensorRoom);
     }
     static const uint8_t kByteUs = 40;
-    // What may_speak() asks for between two telemetry lines, if all lines are the longest: the
-    // wire's time, and a frame's own from its beginning to the end of its line. And how long each
-    // frame keeps the wire waiting. Measured with the PCA9685: 3.3 ms with 5 joints, 4.8 with 8.
+    // Least time between two telemetry lines so that an answer fits between them, if all lines have
+    // their greatest length: the time on the wire, and the time from the beginning of a frame to
+    // the end of its line (3.3 ms with 5 joints, 4.8 ms with 8, measured with the PCA9685).
     static uint16_t telemetry_us() {
-        return static_cast<uint16_t>(kByteUs * (2 * telemetry_room() + kRoom + 1 - Output::size()) +
-                                     400 * joint_count);
+        return static_cast<uint16_t>(
+            kByteUs * (2 * max_telemetry_bytes() + kMaxAnswerBytes + 1 - Output::size()) +
+            400 * joint_count);
     }
+    // The time of a frame in which nothing is sent.
     static uint16_t busy_us() { return static_cast<uint16_t>(150 * joint_count); }
-    // Servos are attached one after the other, so far apart: each starts with a jerk.
+    // Servos are attached one after the other, because each starts with a jerk; the time between.
     static const uint32_t kAttachUs = 100000;
 
     // controller.cpp: time
@@ -137,25 +138,25 @@ class Controller : private Memory {
 
     // obey.cpp: commands
     OWN_FRAME Refusal obey(const Command& command);
-    Error obstacle();
+    Error motion_obstacle();
     OWN_FRAME Refusal start_gait(const Command& command);
     OWN_FRAME Refusal start_pose(const Command& command);
     OWN_FRAME Refusal change_setting(const Command& command);
     Field setting(uint8_t index) const;
     OWN_FRAME Refusal change_trim(const Command& command);
     Refusal begin_save(const Command& command);
-    Refusal take_all(bool saved);
+    Refusal replace_settings(bool saved);
     OWN_FRAME Refusal within_joint_limits(uint8_t joint, int32_t angle_udeg) const;
     void stop(const char* why);
     void go_idle(const char* why);
-    void power_for(State state);
+    void enter_powered(State state);
     OWN_FRAME void configure();
-    uint8_t min_every() const;
+    uint8_t min_telemetry_frames() const;
 
     // dialogue.cpp: lines
     OWN_FRAME void receive();
     void obey_stops();
-    bool may_speak();
+    bool may_answer();
     void answer_stops();
     void accept_waiting();
     OWN_FRAME void accept_line();
@@ -185,7 +186,7 @@ class Controller : private Memory {
     LineReader reader_;
 };
 
-// Names as on the wire, in flash.
+// Names on the wire, in flash.
 const char* state_name(State state);
 const char* reset_name(Reset reset);
 const char* load_result_name(LoadResult result);

@@ -1,4 +1,4 @@
-// Lines: reading them, sessions and sequence numbers, one verdict each.
+// The lines of the host: reading, sessions, sequence numbers, and one verdict for each line.
 #include "controller.h"
 #include "progmem.h"
 
@@ -9,7 +9,7 @@ const char kWhyKey[] FLASH = "key";
 
 const uint8_t kBytesPerPass = 64;
 
-// What may still be obeyed when a stop has overtaken it.
+// Whether a command may still be obeyed if a stop that was sent after it came first.
 bool harmless(Verb verb) {
     return verb == Verb::Hello || verb == Verb::Bye || verb == Verb::Ping || verb == Verb::Stop;
 }
@@ -28,16 +28,16 @@ void Controller::receive() {
         }
         waiting_ = reader_.push(static_cast<uint8_t>(byte));
         if (waiting_ == LineReader::kLine && ends_in_stop(reader_.data(), reader_.length())) {
-            waiting_ = LineReader::kNothing;  // it was obeyed as it came
+            waiting_ = LineReader::kNothing;  // the stop was obeyed on arrival
             reader_.clear();
         }
     }
 }
 
-// A stop waits for nothing: neither for lines before it nor for room; only its verdict does.
+// Obey a stop at once, before earlier lines and even if its verdict must wait for room.
 void Controller::obey_stops() {
     for (char which; (which = input_.take_stop()) != 0;) {
-        uint8_t& due = which == '!' ? keys_due_ : words_due_;
+        uint8_t& due = which == '!' ? key_answers_due_ : word_answers_due_;
         if (due < 255) ++due;
         silent_frames_ = 0;
         count(counters_.good);
@@ -45,25 +45,27 @@ void Controller::obey_stops() {
     }
 }
 
-// Whether an answer fits the queue, and leaves the next frame's line its place.
-bool Controller::may_speak() {
+// Whether an answer fits into the queue, and the next telemetry line still fits after it.
+bool Controller::may_answer() {
     const uint16_t room = line_.room();
-    if (room < kRoom) return false;
+    if (room < kMaxAnswerBytes) return false;
     if (settings_.value_u[kEvery] == 0) return true;
-    const uint16_t bytes_to_go = static_cast<uint16_t>(telemetry_room() + kRoom - room);
+    const uint16_t excess_bytes =
+        static_cast<uint16_t>(max_telemetry_bytes() + kMaxAnswerBytes - room);
     const uint32_t frames_us =
         telemetry_wait_ > 1 ? (telemetry_wait_ - 1) * uint32_t{frame_us()} : 0;
     const uint32_t left_us = spare_us() + frames_us;
-    return room >= telemetry_room() + kRoom || left_us > bytes_to_go * uint32_t{kByteUs};
+    return room >= max_telemetry_bytes() + kMaxAnswerBytes ||
+           left_us > excess_bytes * uint32_t{kByteUs};
 }
 
 void Controller::answer_stops() {
-    if ((keys_due_ | words_due_) == 0 || !may_speak()) return;
-    if (keys_due_ != 0) {
-        --keys_due_;
+    if ((key_answers_due_ | word_answers_due_) == 0 || !may_answer()) return;
+    if (key_answers_due_ != 0) {
+        --key_answers_due_;
         verdict(Tag{Source::StopKey, 0}, Refusal());
-    } else if (words_due_ != 0) {
-        --words_due_;
+    } else if (word_answers_due_ != 0) {
+        --word_answers_due_;
         verdict(Tag{Source::Typed, 0}, Refusal());
     }
 }
@@ -71,7 +73,7 @@ void Controller::answer_stops() {
 void Controller::accept_waiting() {
     answer_stops();
     if (waiting_ == LineReader::kNothing || report_ != Report::None) return;
-    if (!may_speak()) return;
+    if (!may_answer()) return;
     if (waiting_ == LineReader::kLine) {
         accept_line();
     } else {
@@ -111,13 +113,13 @@ void Controller::accept_body(const Envelope& envelope) {
     last_error_ = refusal.error;
     if (refusal.none() && report_ != Report::None) return;  // the verdict follows the report
     if (refusal.none() && (command.verb == Verb::Save || command.verb == Verb::Load)) {
-        store_tag_ = tag_;  // the verdict follows when it is done
+        store_tag_ = tag_;  // the verdict follows when the store has finished
         return;
     }
     verdict(tag_, refusal);
 }
 
-// Whether a numbered line of a session is to be obeyed; if not, it has been answered here.
+// Whether a numbered line of a session is to be obeyed; if not, this answers it.
 bool Controller::in_order(const Envelope& envelope) {
     const uint16_t number_step = static_cast<uint16_t>(envelope.number - last_number_);
     silent_frames_ = 0;
@@ -172,7 +174,7 @@ void Controller::verdict(const Tag& tag, const Refusal& refusal, bool repeated) 
     send();
 }
 
-// Output never waits: what does not fit is dropped, and counted.
+// Finish a line. Output never waits: a line that does not fit is dropped and counted.
 void Controller::send() {
     if (!line_.finish()) count(counters_.dropped);
     telemetry_sent_while_waiting_ = 0;

@@ -1,4 +1,4 @@
-// Commands: what each one does, and when it may not.
+// The commands: the action of each one, and the states in which it is refused.
 #include "controller.h"
 #include "progmem.h"
 
@@ -20,7 +20,7 @@ Refusal Controller::obey(const Command& command) {
             return begin_save(command);
         case Verb::Load:
         case Verb::Defaults:
-            return take_all(command.verb == Verb::Load);
+            return replace_settings(command.verb == Verb::Load);
         case Verb::Hello:
             greet();
             break;
@@ -57,15 +57,15 @@ Refusal Controller::within_joint_limits(uint8_t joint, int32_t angle_udeg) const
     return Refusal(Error::Range, name, angle_udeg, low, high);
 }
 
-// Why nothing may move now, if so.
-Error Controller::obstacle() {
+// The error that forbids motion at present, or none.
+Error Controller::motion_obstacle() {
     if (store_.busy()) return Error::Saving;
     return hardware_.output_answers() ? Error::None : Error::Output;
 }
 
 Refusal Controller::start_gait(const Command& command) {
-    const Refusal obstacle_now(obstacle());
-    if (!obstacle_now.none()) return obstacle_now;
+    const Refusal obstacle(motion_obstacle());
+    if (!obstacle.none()) return obstacle;
     const int32_t* u = command.value_u;
     for (uint8_t i = 0; i < joint_count; ++i) {
         Refusal refusal = within_joint_limits(i, u[kOffset] + u[kAlpha]);
@@ -83,13 +83,13 @@ Refusal Controller::start_gait(const Command& command) {
     }
     gait_ = Gait{u[kAlpha], u[kBeta], u[kOmega], u[kOffset]};
     motion_.gait(gait_);
-    power_for(State::Gait);
+    enter_powered(State::Gait);
     return Refusal();
 }
 
 Refusal Controller::start_pose(const Command& command) {
-    const Refusal obstacle_now(obstacle());
-    if (!obstacle_now.none()) return obstacle_now;
+    const Refusal obstacle(motion_obstacle());
+    if (!obstacle.none()) return obstacle;
     int32_t target_q30[kMaxJoints];
     for (uint8_t i = 0; i < joint_count; ++i) {
         const Refusal refusal = within_joint_limits(i, command.value_u[i]);
@@ -97,13 +97,13 @@ Refusal Controller::start_pose(const Command& command) {
         target_q30[i] = q30_from_udeg(command.value_u[i]);
     }
     motion_.pose(target_q30);
-    power_for(State::Pose);
+    enter_powered(State::Pose);
     return Refusal();
 }
 
-// Enter a state in which the servos have power; those that are limp are attached where they were
-// told to be last, one after the other.
-void Controller::power_for(State state) {
+// Enter a state in which the servos have power. Limp servos are attached one after the other, at
+// their last setpoints.
+void Controller::enter_powered(State state) {
     if (state_ == State::Idle) {
         for (uint8_t i = 0; i < joint_count; ++i) trim_[i] = trim_of(settings_.trim_u[i]);
     }
@@ -133,7 +133,7 @@ Refusal Controller::change_setting(const Command& command) {
     if (store_.busy()) return Refusal(Error::Saving);
     const int32_t value_u = command.value_u[0];
     Field field = setting(command.field);
-    if (command.field == kEvery && value_u != 0) field.low_u = min_every() * 1000000L;
+    if (command.field == kEvery && value_u != 0) field.low_u = min_telemetry_frames() * 1000000L;
     if (!in_range(field, value_u)) {
         return Refusal(Error::Range, field.name, value_u, field.low_u, field.high_u);
     }
@@ -143,7 +143,7 @@ Refusal Controller::change_setting(const Command& command) {
     return Refusal();
 }
 
-// A setting's field, with the limits that this board has for it.
+// The field of a setting, with the limits of this board.
 Field Controller::setting(uint8_t index) const {
     Field field = setting_field(index);
     if (index == kFrame) {
@@ -162,11 +162,11 @@ Refusal Controller::change_trim(const Command& command) {
     if (moving()) return Refusal(Error::Motion);
     if (command.field != kCentre && state_ != State::Idle) return Refusal(Error::Attached);
     int32_t& value_u = settings_.trim_u[command.joint][command.field];
-    const int32_t before_u = value_u;
+    const int32_t old_value_u = value_u;
     value_u = command.value_u[0];
     int32_t beyond_us;
     if (!within_pulses(settings_.trim_u[command.joint], beyond_us)) {
-        value_u = before_u;
+        value_u = old_value_u;
         return Refusal(Error::Range, "pulse_ms", beyond_us * 1000, kMinPulseUs * 1000L,
                        kMaxPulseUs * 1000L);
     }
@@ -174,14 +174,14 @@ Refusal Controller::change_trim(const Command& command) {
     return Refusal();
 }
 
-// Telemetry every so many frames at least, or its lines leave the wire no time for answers.
-uint8_t Controller::min_every() const {
+// Least number of frames from one telemetry line to the next, so that answers fit between.
+uint8_t Controller::min_telemetry_frames() const {
     const uint16_t usable_us = static_cast<uint16_t>(frame_us() - busy_us());
     return static_cast<uint8_t>((telemetry_us() + usable_us - 1) / usable_us);
 }
 
 void Controller::configure() {
-    const int32_t min_u = min_every() * 1000000L;
+    const int32_t min_u = min_telemetry_frames() * 1000000L;
     int32_t& every_u = settings_.value_u[kEvery];
     if (every_u != 0 && every_u < min_u) every_u = min_u;
     set_limits(motion_.limits(), settings_);
@@ -199,8 +199,8 @@ Refusal Controller::begin_save(const Command& command) {
     return Refusal();
 }
 
-// All settings and trims, from EEPROM or from the firmware.
-Refusal Controller::take_all(bool saved) {
+// Replace all settings and trims by the saved ones, or by the defaults of the firmware.
+Refusal Controller::replace_settings(bool saved) {
     if (store_.busy()) return Refusal(Error::Saving);
     if (state_ != State::Idle) return Refusal(Error::Attached);
     telemetry_wait_ = 0;

@@ -1,4 +1,4 @@
-// Data lines: greeting, status, counters, help, settings, trims; one a pass, when there is room.
+// Data lines: greeting, status, counters, help, settings, trims. Each pass sends at most one.
 #include "controller.h"
 #include "progmem.h"
 
@@ -38,7 +38,7 @@ uint8_t Controller::report_rows() const {
 }
 
 void Controller::next_report_line() {
-    if (report_ == Report::None || !may_speak()) return;
+    if (report_ == Report::None || !may_answer()) return;
     if (report_row_ == report_rows()) {
         report_ = Report::None;
         report_row_ = 0;

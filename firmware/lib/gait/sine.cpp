@@ -1,8 +1,9 @@
-// A quarter wave in 64 chords, each lifted so that its error is the same above and below the curve.
+// The sine from a table: a quarter wave as 64 chords, raised so that the errors above and below the
+// curve are equal.
 //
-// A chord over a step h = π/128 lies up to h²/8 (7.5e-5 of its height) below the sine. The table
-// holds round(32768 (1 + h²/16) sin(i h)), which halves that; roundings add 3e-5, as does the cut
-// at 32767.
+// A chord over a step h = π/128 is up to h²/8 (a relative error of 7.5e-5) below the sine. The
+// table holds round(32768 (1 + h²/16) sin(i h)), which halves this error. Rounding adds 3e-5, and
+// the limit to 32767 as much.
 #include "sine.h"
 
 #include "progmem.h"
@@ -23,14 +24,14 @@ const uint32_t kQuarterTurn = 1UL << 30;
 }  // namespace
 
 int16_t sine_q15(uint32_t phase) {
-    uint32_t x = phase & (kQuarterTurn - 1);
-    if (phase & kQuarterTurn) x = kQuarterTurn - x;  // falling quarter: read the table backwards
-    const uint8_t i = static_cast<uint8_t>(x >> 24);
+    uint32_t angle = phase & (kQuarterTurn - 1);             // a full turn has 2³²
+    if (phase & kQuarterTurn) angle = kQuarterTurn - angle;  // falling: read the table backwards
+    const uint8_t i = static_cast<uint8_t>(angle >> 24);
     uint16_t y = flash_u16(&kQuarterWave[i]);
     if (i < 64) {
         const uint16_t rise = static_cast<uint16_t>(flash_u16(&kQuarterWave[i + 1]) - y);
-        const uint16_t part = static_cast<uint16_t>(x >> 8);  // Q16 of the chord
-        y = static_cast<uint16_t>(y + ((static_cast<uint32_t>(rise) * part + 0x8000UL) >> 16));
+        const uint16_t fraction = static_cast<uint16_t>(angle >> 8);  // of the chord, Q16
+        y = static_cast<uint16_t>(y + ((static_cast<uint32_t>(rise) * fraction + 0x8000UL) >> 16));
     }
     const int16_t s = y > 32767 ? 32767 : static_cast<int16_t>(y);
     return (phase & (kQuarterTurn << 1)) ? static_cast<int16_t>(-s) : s;

@@ -1,4 +1,4 @@
-// Every number that a command may carry: name, unit, limits, default, in millionths of the unit.
+// The numbers in commands: name, unit, limits and default. Suffix _u: in millionths of the unit.
 #pragma once
 
 #include <stdint.h>
@@ -23,22 +23,22 @@ enum Setting : uint8_t {
     kLimp,
     kFrame,
     kOscillator,
-    kReleased,  // for the host alone: what its person saw the servos do without pulses
+    kReleased,  // stored for the host: what its user saw the servos do without pulses
     kSettingCount
 };
 enum TrimField : uint8_t { kCentre, kScale, kDir, kLow, kHigh, kTrimFieldCount };
 enum GaitField : uint8_t { kAlpha, kBeta, kOmega, kOffset, kGaitFieldCount };
 
-// Copies out of flash.
+// Copies from flash.
 Field setting_field(uint8_t index);
 Field trim_field(uint8_t index);
 Field gait_field(uint8_t index);
 Field joint_angle_field();
 
-// Whether a setting takes 0, or `off`, besides its range.
+// Whether a setting may also be `off`, or 0, which is outside its range.
 inline bool may_be_off(uint8_t setting) { return setting == kSilence || setting == kLimp; }
 
-// Whether a value is inside the limits of its field, or off where it may be.
+// Whether a value is within the limits of its field, or is `off` and may be.
 bool in_range(const Field& field, int32_t value_u);
 
 }  // namespace firmware

@@ -98,12 +98,12 @@ void bind_board(nb::module_& m) {
             "stall", [](Board& b, double seconds) { b.activate().stall(microseconds(seconds)); },
             "seconds"_a, "Let time pass without the programme running.")
         .def(
-            "write", [](Board& b, nb::bytes data) { b.activate().put(text(data)); }, "data"_a,
-            "Put bytes on the wire to the board.")
+            "write", [](Board& b, nb::bytes data) { b.activate().send_to_board(text(data)); },
+            "data"_a, "Put bytes on the wire to the board.")
         .def(
             "read",
             [](Board& b) {
-                const std::string bytes = b.activate().take();
+                const std::string bytes = b.activate().take_output();
                 return nb::bytes(bytes.data(), bytes.size());
             },
             "Return all bytes that have arrived from the board since the last call.")

@@ -55,7 +55,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
             for (char c : line) {
                 if (c >= 0x20 && c < 0x7F && body.size() < 70) body += c;
             }
-            watch.board.put("\n" + sealed(body));
+            watch.board.send_to_board("\n" + sealed(body));
             line.clear();
             watch.run(10);
         } else if (data[i] >= 0x80) {
@@ -63,13 +63,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
             watch.run(pause_ms);
             if (key && pause_ms >= kStoppedMs) require(watch.stopped());
         } else {
-            watch.board.put(std::string(1, byte));
+            watch.board.send_to_board(std::string(1, byte));
             if (byte == '\n') line.clear();
         }
         key = data[i] == '!';
     }
     watch.run(40);
-    watch.board.put("\n!\n");  // a stop always works
+    watch.board.send_to_board("\n!\n");  // a stop always works
     watch.run(120);
     require(watch.stopped());
     return 0;

@@ -27,7 +27,7 @@ struct Bench {
     }
     void run(double seconds) {
         board.run(static_cast<uint64_t>(seconds * 1e6));
-        rest += board.take();
+        rest += board.take_output();
         for (size_t end; (end = rest.find('\n')) != std::string::npos; rest.erase(0, end + 1)) {
             const std::string line = rest.substr(0, end);
             const std::string body = line.substr(0, line.size() - 6);
@@ -38,7 +38,7 @@ struct Bench {
     // The last verdict or event after these bytes.
     std::string raw(const std::string& bytes, double seconds = 0.05) {
         const size_t before = lines.size();
-        board.put(bytes);
+        board.send_to_board(bytes);
         run(seconds);
         return lines.size() > before ? lines.back() : "";
     }
@@ -251,7 +251,7 @@ TEST_CASE("silence while servos are being attached makes those limp that are") {
     CHECK(b.lines.back() == "state: idle why=silence");
     CHECK(b.board.attached() == 0);
     b.type("pose straight", 0.15);
-    b.board.put("status\n");
+    b.board.send_to_board("status\n");
     b.run(0.03);
     bool told = false;
     for (const std::string& line : b.lines) told = told || line.find(" attached=2 ") < line.size();
@@ -267,7 +267,7 @@ TEST_CASE("a stop overtakes what came before it, and nothing before it is obeyed
     for (const char* body : {"help", "set", "gait 45 80 5"}) {
         lines += sealed("#" + std::to_string(++b.number) + " " + body);
     }
-    b.board.put(lines + "!\n");
+    b.board.send_to_board(lines + "!\n");
     b.run(0.004);  // the bytes of it, and a frame at the most
     CHECK(b.state() == State::Hold);
     b.run(1);
