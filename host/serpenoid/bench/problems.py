@@ -23,8 +23,8 @@ from ..model.gait import Gait
 from ..model.link_state import LinkState
 from ..model.presets import PRESETS
 from ..model.robot import Robot
-from ..simulation.core_run import start_state
 from ..simulation.scene import Scene
+from ..simulation.simulate import start_state
 
 Array = NDArray[np.float64]
 

@@ -23,8 +23,8 @@ from ..model.ground import Ground
 from ..model.link_state import LinkState
 from ..model.robot import Robot
 from ..show.plot import figure, heading
-from ..simulation.core_run import run_core, start_state
 from ..simulation.scene import METHODS, Scene
+from ..simulation.simulate import run_core, start_state
 from ..simulation.stability import largest_stable_step_s
 from .child_process import Limited
 from .problems import Array

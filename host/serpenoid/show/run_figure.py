@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..model.gait import gait_name
-from ..simulation.core_run import ENERGY_COLUMNS
-from ..simulation.run import Run
+from ..simulation.run import ENERGY_COLUMNS, Run
 from .plot import (
     BLUE,
     GREEN,

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..simulation.core_run import ENERGY_COLUMNS
-from ..simulation.run import Run
+from ..simulation.run import ENERGY_COLUMNS, Run
 from ..simulation.scene_file import scene_values
 from .report import show, warn
 

@@ -14,9 +14,8 @@ from ..base.errors import Diverged
 from ..base.vectors import Array
 from ..model.link_state import LinkState
 from ..periodic.steady import FromRest, Motion, Steady
-from .core_run import start_state, with_motion
 from .scene import Scene, exact_scene
-from .simulate import simulate
+from .simulate import simulate, start_state, with_motion
 
 # Of the distance to the reported motion: what a settled motion may still change from run to run,
 # and what one may where the time is over.

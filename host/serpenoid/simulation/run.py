@@ -17,9 +17,17 @@ from ..base.files import write_csv
 from ..base.rows import Plottable, Result, Row, detail, two_digits
 from ..base.vectors import Array
 from ..model.link_state import LinkState
-from .core_run import ENERGY_COLUMNS
 from .scene import Scene, objection
 
+ENERGY_COLUMNS = (
+    "kinetic_j",
+    "springs_j",
+    "height_j",
+    "joint_work_j",
+    "friction_heat_j",
+    "damper_heat_j",
+    "positive_work_j",
+)
 BELIEVED_SIZE = 0.01  # body lengths and radians up to which a run is called believable
 WARNED_SPEED = 0.01  # relative error of the mean speed that a warning names
 WARNED_SIZE = 0.1  # body lengths and radians that a warning names

@@ -1,35 +1,30 @@
-"""A run in time, of a scene as it is, or with the step or tolerance that an accuracy needs.
-
-Its error is estimated by a finer run, with half the step, or a tenth of the tolerance (nonsmooth: a
-hundredth). Four times the difference is the estimate. Of a method of order 1 the error is twice the
-difference, of higher orders less. Where dry friction is not resolved, or over many cycles, it
-varies: 4 keeps 99 % of random scenes within it.
-"""
+"""From a scene to its run: where it starts, its numbers for the core, and what comes back."""
 
 from __future__ import annotations
 
 import math
-from contextlib import suppress
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
-from ..base.checks import check_kind, check_number
-from ..base.errors import Diverged, NotConverged, StepTooLarge
-from ..model.link_state import LinkState
-from .core_run import Progress, run_core, start_state
-from .run import Difference, Run, RunError, chatters, difference
-from .scene import METHODS, MIN_TOLERANCE, OwnChoice, Scene, exact_scene, most_accurate_method
-from .stability import check_step, largest_stable_step_s
+import numpy as np
 
-SAFETY = 4.0  # estimated error over the difference from the finer run
-# Difference in body lengths and radians beyond which a third run checks it; so it does any
-# difference of a method that does not know sticking, because its error falls unevenly.
-CHECKED_SIZE = 1e-3
-MAX_ACCURATE_STEPS = 10**8  # links times steps of a run with an accuracy: some ten seconds
-REASONS = {
-    "nonsmooth": "dry friction holds wheels: sticking must be exact",
-    "dop853": "smooth motion, without springs that ring: high order at few steps",
-    "radau": "stiff springs: steps as long as the slow motion allows",
-}
+from .. import _core
+from ..base.checks import RECORDS, check_kind, check_number
+from ..base.errors import BadInput, Diverged
+from ..base.vectors import Array, finite_vector
+from ..model.core_model import core_model
+from ..model.drives import TorqueTable, core_servo
+from ..model.gait import joint_motion
+from ..model.link_state import LinkState, from_tail
+from ..periodic.steady import steady_gait
+from .accuracy import accurate_run, estimated_error
+from .run import Run
+from .scene import MAX_LINK_STEPS, Scene, exact_scene, objection
+from .stability import check_step, friction_rate
+
+Progress = Callable[[float], object]
 
 
 def simulate(
@@ -75,118 +70,181 @@ def simulate(
     """
     check_kind("scene", scene, Scene)
     if accuracy is None:
-        return _solved(scene, start_state(scene), progress)
+        return run_scene(scene, progress=progress)
     check_number("accuracy", accuracy, 1e-10, 0.1)
-    return _accurate_run(scene, accuracy, progress)
+    return accurate_run(scene, accuracy, partial(run_scene, progress=progress))
 
 
-def _solved(
-    scene: Scene, start: LinkState, progress: Progress | None = None, picked: str = ""
+def run_scene(
+    scene: Scene,
+    start: LinkState | None = None,
+    *,
+    picked: str = "",
+    progress: Progress | None = None,
 ) -> Run:
-    """Run a scene from a start; raises StepTooLarge and Diverged."""
+    """Run a scene, unless given from its own start; raises StepTooLarge and Diverged."""
     check_step(scene)
-    columns = run_core(scene, start, progress)
-    return Run(scene=scene, picked=picked, _estimator=_estimate, **columns)
+    columns = run_core(scene, start or start_state(scene), progress)
+    estimator = partial(estimated_error, solve=run_scene)
+    return Run(scene=scene, picked=picked, _estimator=estimator, **columns)
 
 
-def _estimate(run: Run) -> RunError:
-    """Return the error of a run by one finer run, or two."""
-    start, scene, body_m = run.state(0), run.scene, run.scene.robot.body_length_m
-    finer = finer_scene(scene)
-    setting = "tolerance" if scene.adaptive else "dt_s"
-    unknown = Difference(math.inf, math.inf, math.inf)
-    error = RunError(unknown, None, "no finer run comes to its end", False)
-    with suppress(Diverged, StepTooLarge):
-        second = _solved(finer, start)
-        (largest, believed_s), settled = difference(run, second, SAFETY), True
-        if largest.size(body_m) > SAFETY * CHECKED_SIZE or chatters(scene):
-            third = _solved(finer_scene(scene, 2), start)
-            change, _ = difference(second, third, SAFETY)
-            # Runs of order 1 converge if the next difference is at most 0.75 of this one.
-            settled = change.size(body_m) <= 0.75 * largest.size(body_m)
-            largest = max(largest, change, key=lambda part: part.size(body_m))
-        how = f"{SAFETY:g} times the difference to a run at {setting} {getattr(finer, setting):.3g}"
-        error = RunError(largest, None, f"integration: {how}", settled, believed_s)
-    if scene.formulation == "explicit":
-        return error
-    exact = exact_scene(scene, min(scene.tolerance, 1e-6))
-    how = f"{error.how}; modelling: difference to the explicit formulation by {exact.method}"
-    springs, _ = difference(run, _solved(exact, start_state(exact)))
-    return replace(error, modelling=springs, how=how)
+def _joints_at_start(scene: Scene) -> tuple[Array, Array]:
+    """Return angles and rates of the joints at t = 0: the gait's, locked ones where they stay."""
+    phi, rate, _ = joint_motion(scene.gait, scene.robot.links - 1)
+    for joint, angle in scene.locked.items():
+        phi[joint - 1], rate[joint - 1] = angle, 0.0
+    return phi, rate
 
 
-def _accurate_run(scene: Scene, accuracy: float, progress: Progress | None) -> Run:
-    """Return a run whose estimated error is at most the accuracy; or raise NotConverged."""
-    start, (tried, why) = start_state(scene), _first_try(scene, accuracy)
-    worst, reason = math.inf, "ask for less, or a shorter run"
-    for _ in range(6):
-        setting = f"tolerance {tried.tolerance:g}" if tried.adaptive else f"dt_s {tried.dt_s:g}"
-        picked = f"formulation {tried.formulation!r}, method {tried.method!r}, {setting}: {why}"
-        run = _solved(tried, start, progress, picked)
-        error, body_m = run.error_estimate, scene.robot.body_length_m
-        worst = error.worst(body_m)
-        if worst <= accuracy and error.settled:
-            return run
-        springs = error.modelling.size(body_m) if error.modelling else 0.0
-        if springs > max(accuracy, error.integration.size(body_m)):
-            stiffness_n_m = 1.5 * scene.joint_stiffness_n_m * springs / accuracy
-            reason = (
-                f"the springs alone (k = {scene.joint_stiffness_n_m:g} N/m) are as far off; take "
-                f"formulation 'explicit', or joint_stiffness_n_m {stiffness_n_m:.1g}"
+def _check_imposed(scene: Scene, start: LinkState) -> None:
+    """Raise BadInput unless a start has the angles and rates of the joints that are imposed."""
+    joints = np.arange(1, scene.robot.links)
+    by_angle = scene.drive == "angle"
+    imposed = ~np.isin(joints, scene.limp) if by_angle else np.isin(joints, list(scene.locked))
+    bent = np.diff(start.theta_rad), np.diff(start.omega_rad_s)
+    names = "angle {:.6g} rad", "rate {:.6g} rad/s"
+    for name, has, wants in zip(names, bent, _joints_at_start(scene), strict=True):
+        wrong = imposed & (np.abs(has - wants) > 1e-6 * (1 + np.abs(wants)))
+        for i in np.nonzero(wrong)[0]:
+            raise BadInput(
+                f"start has joint {i + 1} at {name.format(has[i])}, where it is imposed to "
+                f"be {wants[i]:.6g}; take the state from LinkState.in_gait, or another drive"
             )
-            break
-        if not error.settled:
-            reason = f"finer runs do not agree; believe it up to t = {error.believed_s:.3g} s"
-        tried = _finer(tried, min(max(worst / accuracy, 1.0), 1e2))
-        if not tried.adaptive and tried.steps * scene.robot.links > MAX_ACCURATE_STEPS:
-            reason = f"its steps would have to be {tried.dt_s:.1g} s; leave the method open"
-            break
-    raise NotConverged(
-        f"accuracy is {accuracy:g}; method {tried.method!r} came to {worst:.2g} only: {reason}"
+
+
+def _explicit_start(scene: Scene) -> LinkState:
+    """Return the start with pinned joints, link 1 at the origin along x."""
+    if isinstance(scene.start, LinkState):
+        _check_imposed(scene, scene.start)
+        return scene.start
+    robot, (phi, rate) = scene.robot, _joints_at_start(scene)
+    bent = LinkState.joined(robot, from_tail(np.zeros(3), phi), from_tail(np.zeros(3), rate))
+    if scene.start == "link1_at_rest":
+        return bent
+    if scene.start == "steady":  # link 1 turns as the body velocity says
+        state = steady_gait(robot, scene.ground, scene.gait, powers=False)
+        ahead_m_s, left_m_s, turn_rad_s = state.body_velocity
+    else:  # neither does the centre of mass move nor the whole chain turn
+        x_m, y_m = bent.x_m - bent.x_m.mean(), bent.y_m - bent.y_m.mean()
+        mass_kg, inertia_kg_m2 = robot.link_mass_kg, robot.inertia_kg_m2
+        spin = mass_kg * (x_m @ bent.vy_m_s - y_m @ bent.vx_m_s)
+        spin += inertia_kg_m2 * bent.omega_rad_s.sum()
+        whole_kg_m2 = robot.links * inertia_kg_m2 + mass_kg * (x_m @ x_m + y_m @ y_m)
+        ahead_m_s, left_m_s, turn_rad_s = 0.0, 0.0, -spin / whole_kg_m2
+    return with_motion(
+        bent, ahead_m_s - bent.vx_m_s.mean(), left_m_s - bent.vy_m_s.mean(), turn_rad_s
     )
 
 
-def _first_try(scene: Scene, accuracy: float) -> tuple[Scene, str]:
-    """Return the scene with the method and the step or tolerance to begin with, and why so."""
-    chosen, why = scene, f"method {scene.method!r} was given"
-    if isinstance(scene.method, OwnChoice):
-        method = most_accurate_method(scene)
-        chosen, why = replace(scene, method=method), REASONS[method]
-    chosen = replace(chosen, tolerance=max(accuracy / 10, 10 * MIN_TOLERANCE))
-    if chosen.adaptive:
-        return chosen, why
-    longest_s = min(chosen.gait.period_s / 40, largest_stable_step_s(chosen) / 2)
-    return with_shorter_steps(chosen, chosen.dt_s / longest_s), why
+def with_motion(
+    state: LinkState, ahead_m_s: float, left_m_s: float, turn_rad_s: float
+) -> LinkState:
+    """Return a state with a motion added that is the same for all links: along x, y, and a turn."""
+    return replace(
+        state,
+        vx_m_s=state.vx_m_s + ahead_m_s - turn_rad_s * (state.y_m - state.y_m.mean()),
+        vy_m_s=state.vy_m_s + left_m_s + turn_rad_s * (state.x_m - state.x_m.mean()),
+        omega_rad_s=state.omega_rad_s + turn_rad_s,
+    )
 
 
-def _finer(scene: Scene, factor: float) -> Scene:
-    """Return a scene whose error should be smaller by a factor."""
-    if scene.adaptive:
-        return replace(scene, tolerance=max(scene.tolerance / factor / 3, MIN_TOLERANCE))
-    order = 1 if scene.law == "dry" or scene.servo else METHODS[scene.method].order
-    return with_shorter_steps(scene, max(2.0, 1.2 * factor ** (1 / order)))
+def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:
+    """Open the joints by what their springs need to carry the explicit model's forces.
 
-
-def finer_scene(scene: Scene, times: int = 1) -> Scene:
-    """Return the scene at a tenth of its tolerance or half its step, so many times.
-
-    By nonsmooth it is a hundredth: after each event steps begin anew, so that runs at tolerances
-    next to each other often take the same steps, and share their error. It records energies at
-    most. Below some tolerance rounding makes steps short and tells no more
-    (a run by nonsmooth takes ten times as long at 1e-11 with 40 links): there it is ten times the
-    tolerance, whose difference is the larger.
+    Gap (F - c F'/k)/k and gap rate F'/k: the motion then has no ringing part to order 1/k^2. The
+    centre of mass stays where it is. F' comes from three evaluations along the explicit motion.
+    Where friction brakes faster than the springs swing, or wheels stop at once, F is not slow: the
+    gap is F/k.
     """
-    scene = replace(scene, record=tuple(name for name in scene.record if name == "energy"))
-    if not scene.adaptive:
-        return with_shorter_steps(scene, 2**times)
-    events = scene.method == "nonsmooth"
-    finest = MIN_TOLERANCE * (max(1.0, (scene.robot.links / 3) ** 3) if events else 1.0)
-    finer = scene.tolerance / (100.0 if events else 10.0) ** times
-    coarser = scene.tolerance * 10.0**times
-    return replace(scene, tolerance=finer if finer >= finest else coarser)
+    k, c = scene.joint_stiffness_n_m, scene.joint_damping_n_s_m
+    m, braking = scene.robot.link_mass_kg, friction_rate(scene)
+    # Motors and given torques change forces within 10 ms.
+    fastest = max(1e3 * scene.gait.omega_rad_s, 100 * braking, 1e5 * (scene.drive != "angle"))
+    h = max(1 / fastest, 1e-12)
+    short = replace(scene, start=start, dt_s=h, duration_s=2 * h, record_every=1)
+    exact = replace(exact_scene(short, 1e-9), record=("joints",))
+    record = run_core(exact, start)
+    force = np.stack([record["joint_force_x_n"], record["joint_force_y_n"]], axis=2)  # (3, n-1, 2)
+    rate = (4 * force[1] - 3 * force[0] - force[2]) / (2 * h)
+    lag = c / k + math.sqrt(m / k)
+    mode_ends = scene.law == "dry" and np.abs(rate).max() * lag > np.abs(force[0]).max()
+    if braking * lag > 1 or mode_ends:
+        rate *= 0
+    gap, gap_rate = (force[0] - c * rate / k) / k, rate / k
+    widest = float(np.abs(gap).max())
+    if not widest < scene.robot.link_length_m:
+        raise BadInput(
+            f"the springs ({k:g} N/m) would begin {widest:.3g} m apart, more than a link "
+            f"({scene.robot.link_length_m:g} m); take gap 'zero', or a larger joint_stiffness_n_m"
+        )
+
+    shifts = np.vstack([np.zeros(4), np.hstack([gap, gap_rate]).cumsum(axis=0)])
+    x_m, y_m, vx_m_s, vy_m_s = (shifts - shifts.mean(axis=0)).T
+    return replace(
+        start,
+        x_m=start.x_m + x_m,
+        y_m=start.y_m + y_m,
+        vx_m_s=start.vx_m_s + vx_m_s,
+        vy_m_s=start.vy_m_s + vy_m_s,
+    )
 
 
-def with_shorter_steps(scene: Scene, parts: float) -> Scene:
-    """Return a scene whose steps are shorter by at least a factor, its recorded times the same."""
-    count = max(math.ceil(parts), 1)
-    return replace(scene, dt_s=scene.dt_s / count, record_every=count * scene.record_steps)
+def start_state(scene: Scene) -> LinkState:
+    """Return the state that a scene starts from, all links, ground frame."""
+    start = _explicit_start(scene)
+    soft = scene.formulation == "implicit" and scene.joint_stiffness_n_m > 0
+    if soft and scene.gap == "slow_manifold" and not isinstance(scene.start, LinkState):
+        return _on_slow_manifold(scene, start)
+    return start
+
+
+def core_request(scene: Scene) -> Any:
+    """Return a scene as the core takes it."""
+    q = _core.RunRequest(core_model(scene.robot, scene.ground, scene.gait))
+    q.formulation = getattr(_core.Formulation, scene.formulation)
+    q.drive = getattr(_core.Drive, scene.drive)
+    for name in _core.SCENE_FIELDS:
+        setattr(q, name, getattr(scene, name))
+    if scene.incline_rad > 0:
+        downhill = -9.80665 * math.sin(scene.incline_rad)
+        direction = scene.incline_direction_rad
+        q.set_slope(downhill * math.cos(direction), downhill * math.sin(direction))
+    if isinstance(scene.torque, TorqueTable):
+        q.set_torque_table(scene.torque.t_s.tolist(), scene.torque.torque_nm.ravel().tolist())
+    elif callable(torque := scene.torque):
+        size = scene.robot.links - 1
+        q.set_torque_function(lambda t: finite_vector(f"torque at {t:g} s", torque(t), size))
+    if scene.servo is not None:
+        q.servo = core_servo(scene.servo)
+    faults = dict.fromkeys(scene.limp, _core.Fault.limp)
+    faults |= dict.fromkeys(scene.locked, _core.Fault.locked)
+    if faults:
+        joints = range(1, scene.robot.links)
+        q.faults = [faults.get(joint, _core.Fault.none) for joint in joints]
+        q.locked_rad = [scene.locked.get(joint, 0.0) for joint in joints]
+    q.method = scene.method
+    q.most_steps = MAX_LINK_STEPS // scene.robot.links
+    for name in RECORDS:
+        setattr(q, f"record_{name}", name in scene.record)
+    return q
+
+
+def run_core(scene: Scene, start: LinkState, progress: Progress | None = None) -> dict[str, Any]:
+    """Run a scene from a start and return Run's arrays by name (module.cpp); or raise Diverged."""
+    columns = _core.run(core_request(scene), start.packed(), progress)
+    failed_at, why = columns.pop("failed_at"), columns.pop("why")
+    if failed_at >= 0:
+        raise Diverged(_what_failed(scene, failed_at, why))
+    return columns
+
+
+def _what_failed(scene: Scene, t_s: float, why: str) -> str:
+    what = why or "the state grew without bound"
+    if "stiff" in why and objection("radau", scene) is None:
+        cure = "take method 'radau', which is made for stiff springs"
+    elif scene.adaptive:
+        cure = f"loosen tolerance {scene.tolerance:g}, or look whether the scene is physical"
+    else:
+        cure = f"take a smaller dt_s than {scene.dt_s:g} (a tenth is a good try)"
+    return f"the run ended by t = {t_s:g} s with method {scene.method}: {what}; {cure}"

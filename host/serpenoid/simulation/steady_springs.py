@@ -16,10 +16,10 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import speed_floor_m_s, steady_gait
-from .core_run import ENERGY_COLUMNS
-from .run import Run
+from .accuracy import SAFETY, with_shorter_steps
+from .run import ENERGY_COLUMNS, Run
 from .scene import Scene
-from .simulate import SAFETY, simulate, with_shorter_steps
+from .simulate import simulate
 from .stability import largest_stable_step_s
 
 _MOST_CYCLES = 4096
