@@ -1,4 +1,4 @@
-"""What all tests share: the boards, simulated and real; a busy machine; what CI may skip."""
+"""Shared by all tests: fixtures of simulated and real boards, settings, and skips allowed in CI."""
 
 import os
 import signal
@@ -11,17 +11,17 @@ from hypothesis import HealthCheck, settings
 pytest_plugins = ["avr.fixtures", "robot.patience", "robot.boards"]
 
 settings.register_profile(
-    "calm", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow]
+    "repeatable", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
-settings.load_profile("calm")
+settings.load_profile("repeatable")
 
-# How somebody likes their terminal is nothing that tests may depend on.
-for taste in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "CLICOLOR_FORCE", "PYTHONWARNINGS"):
-    os.environ.pop(taste, None)
+# Tests must not depend on a person's settings of the terminal.
+for variable in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "CLICOLOR_FORCE", "PYTHONWARNINGS"):
+    os.environ.pop(variable, None)
 os.environ["MPLBACKEND"] = "agg"
 
-# What CI need not have; make installs all the rest.
-OPTIONAL = (
+# Parts of the reasons for which a test may be skipped in CI; make installs all other tools.
+ALLOWED_SKIPS = (
     "needs a real robot",
     "needs x86",
     "needs Linux",
@@ -35,25 +35,25 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure() -> None:
-    """Let Ctrl-C reach the programs that tests start, even where the shell has it ignored."""
+    """Let Ctrl-C reach the programs that tests start, even if the shell ignores it."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-def judged(report: Report) -> Report:
-    """Return a report; one that skips what CI must run becomes a failure there."""
+def checked_skip(report: Report) -> Report:
+    """Return the report; in CI a skip for any other reason becomes a failure."""
     if report.skipped and not hasattr(report, "wasxfail") and os.environ.get("CI") == "true":
-        why = report.longrepr[2] if isinstance(report.longrepr, tuple) else str(report.longrepr)
-        if not any(reason in why for reason in OPTIONAL):
-            report.outcome, report.longrepr = "failed", f"CI must run this. {why}"
+        cause = report.longrepr[2] if isinstance(report.longrepr, tuple) else str(report.longrepr)
+        if not any(reason in cause for reason in ALLOWED_SKIPS):
+            report.outcome, report.longrepr = "failed", f"CI must run this. {cause}"
     return report
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    return judged((yield))
+    return checked_skip((yield))
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
-    return judged((yield))
+    return checked_skip((yield))

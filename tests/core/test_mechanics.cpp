@@ -1,4 +1,4 @@
-// Right-hand sides and laws of friction, against figures that were derived apart from this code.
+// Accelerations, friction laws and dense factors, compared with values derived independently.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -12,17 +12,17 @@
 using namespace serpenoid;
 using doctest::Approx;
 
-TEST_CASE("friction opposes the motion, and may differ backwards") {
+TEST_CASE("friction opposes the motion; a ratchet has another one backwards") {
     const WheelLaw law{0.5, 0.1, 2.0, 0.7};
     CHECK(law.force(3.0) == Approx(-(0.5 * 3 + 0.1)));
     CHECK(law.force(-3.0) == Approx(2.0 * 3 + 0.7));
     CHECK(law.force(0.0) == 0);
-    // at rest any force between both ends: thrust +- bound
+    // At rest the force may have any value from thrust - bound to thrust + bound.
     CHECK(law.thrust() - law.bound() == Approx(-0.1));
     CHECK(law.thrust() + law.bound() == Approx(0.7));
 }
 
-// Three links whose joints have torques, by Lagrange's equations in SymPy.
+// The expected values come from Lagrange's equations in SymPy, for three links.
 TEST_CASE("accelerations of a chain with torques at its joints") {
     RunRequest request;
     request.robot = {3, 1.0, 0.06, 0.0012};
@@ -48,7 +48,7 @@ TEST_CASE("accelerations of a chain with torques at its joints") {
     CHECK(chain.alpha[2] == Approx(2.550904313997).epsilon(1e-11));
 }
 
-TEST_CASE("factors of a dense complex matrix solve it, with rows to exchange") {
+TEST_CASE("LU factors solve a dense complex system that needs exchanges of rows") {
     using Complex = std::complex<double>;
     constexpr int kSize = 7;
     DenseFactors<Complex> factors;
@@ -59,7 +59,7 @@ TEST_CASE("factors of a dense complex matrix solve it, with rows to exchange") {
             const double real = row == column ? 0.0 : std::sin(3.0 * row + 1.7 * column);
             const Complex value(real, std::cos(row - 2.0 * column));
             columns[column * kSize + row] = value;
-            b[row] += value * Complex(column + 1, 2 * column);  // the solution's
+            b[row] += value * Complex(column + 1, 2 * column);  // times the solution
         }
     REQUIRE(factors.factor());
     factors.solve(b.data());

@@ -1,4 +1,4 @@
-"""The stored figures are what the program draws today: `make figures` renews them."""
+"""The stored figures equal those that the program draws; `make figures` renews them."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ import figures
 import film_pictures
 from serpenoid.video.seeing.tags import tag_cells
 
-MOST = 2e-3  # of the ink: the last digit of a solver may move an edge by a shade
+MAX_DIFFERENCE = 2e-3  # mean difference of a colour, 0 to 1; rounding may change a pixel's shade
 
 
-def apart(image: np.ndarray, reference: np.ndarray) -> float:
-    """Return the mean difference of two pictures; 1 if they are not of one size."""
+def mean_difference(image: np.ndarray, reference: np.ndarray) -> float:
+    """Return the mean difference of two pictures, 0 to 1; 1 if their sizes differ."""
     if image.shape != reference.shape:
         return 1.0
     return float(np.abs(image[..., :3] - reference[..., :3]).mean())
@@ -27,18 +27,20 @@ def apart(image: np.ndarray, reference: np.ndarray) -> float:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", figures.FIGURES)
-def test_a_stored_figure_is_todays(name, tmp_path) -> None:
+def test_a_stored_figure_is_current(name, tmp_path) -> None:
     figures.FIGURES[name](tmp_path / name)
     drawn, stored = tmp_path / name, figures.STORED / name
     if name.endswith(".svg"):
         assert drawn.read_text() == stored.read_text()
     else:
-        difference = apart(imread(drawn), imread(stored))
-        assert difference < MOST, f"host/docs/{name} is stale: `make figures`"
+        difference = mean_difference(imread(drawn), imread(stored))
+        assert difference < MAX_DIFFERENCE, f"host/docs/{name} is stale: `make figures`"
 
 
 def test_every_stored_picture_has_its_drawing() -> None:
-    pictures = {path.name for end in ("png", "svg") for path in figures.STORED.glob(f"*.{end}")}
+    pictures = {
+        path.name for suffix in ("png", "svg") for path in figures.STORED.glob(f"*.{suffix}")
+    }
     assert pictures == set(figures.FIGURES)
 
 

@@ -1,16 +1,16 @@
-"""A program that is killed while the robot lies bent: the board itself lets go of the servos."""
+"""If the host program is killed while the robot is bent, the board releases the servos itself."""
 
 from serpenoid.robot.wire.virtual import VirtualLink
 from serpenoid.taking.session_robot import LIMP_S, SessionRobot
 
 
-def test_after_a_kill_a_held_pose_is_let_go():
-    """A killed program says nothing more, and does nothing of what it would do at its end."""
+def test_servos_are_released_after_a_kill():
+    """A killed program sends nothing more; its clean-up, `__exit__`, does not run either."""
     link = VirtualLink(fast=True)
     robot = SessionRobot(link)
     robot.__enter__()
     robot.pose(7.5)
-    for _ in range(3):  # while the host says something each half second, the pose is held
+    for _ in range(3):  # the pose is held as long as the host sends something
         link.board.run(0.9 * LIMP_S)
         assert link.board.state == "pose"
         assert all(link.board.pulses_us)

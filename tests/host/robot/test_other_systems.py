@@ -1,4 +1,4 @@
-"""What runs where a system has no fcntl, termios, grp and process groups, as Windows has none."""
+"""Commands run on a system without fcntl, termios, grp and process groups, such as Windows."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ import sys
 import pytest
 import serpenoid as sn
 
-HIDING = """
+HIDE_MODULES = """
 import builtins, os, sys
 
-usual = builtins.__import__
+original_import = builtins.__import__
 
-def without(name, scope=None, *rest, **named):
-    ours = str((scope or {}).get("__name__", "")).startswith("serpenoid")
-    if ours and name in ("fcntl", "termios", "grp"):
+def import_visible(name, scope=None, *args, **kwargs):
+    is_ours = str((scope or {}).get("__name__", "")).startswith("serpenoid")
+    if is_ours and name in ("fcntl", "termios", "grp"):
         raise ImportError(name)
-    return usual(name, scope, *rest, **named)
+    return original_import(name, scope, *args, **kwargs)
 
-builtins.__import__ = without
+builtins.__import__ = import_visible
 del os.killpg
 """
 COMMAND = """
@@ -38,31 +38,31 @@ PLAN = "[simulated]\nseed = 3\nct = 0.084\ncn = 1.2\nft0 = 0.14\nfn0 = 0.27\n"
 
 
 @pytest.fixture
-def hidden(tmp_path):
-    """Return a function that runs a command without these modules, and gives what it said."""
+def run_portably(tmp_path):
+    """Return a function that runs a command without these modules and returns its output."""
 
-    def run(command: str, program: str = COMMAND) -> str:
-        python = [sys.executable, "-c", HIDING + program, *command.split()]
-        done = subprocess.run(
+    def run_command(command: str, program: str = COMMAND) -> str:
+        python = [sys.executable, "-c", HIDE_MODULES + program, *command.split()]
+        result = subprocess.run(
             python, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False
         )
-        assert done.returncode == 0, done.stderr
-        return done.stdout
+        assert result.returncode == 0, result.stderr
+        return result.stdout
 
-    return run
-
-
-def test_a_board_is_driven_and_examined(hidden):
-    assert "frames" in hidden(DRIVE)
-    assert "clean, over" in hidden("doctor --port virtual:fast --listen-s 0.5")
+    return run_command
 
 
-def test_a_session_is_taken(hidden, tmp_path):
-    hidden("calibrate new s --defaults --simulated --surface belt")
+def test_a_board_is_driven_and_examined(run_portably):
+    assert "frames" in run_portably(DRIVE)
+    assert "clean, over" in run_portably("doctor --port virtual:fast --listen-s 0.5")
+
+
+def test_a_session_is_taken(run_portably, tmp_path):
+    run_portably("calibrate new s --defaults --simulated --surface belt")
     (tmp_path / "plan.toml").write_text(PLAN)
-    assert "stations" in hidden("calibrate s --script plan.toml")
+    assert "stations" in run_portably("calibrate s --script plan.toml")
     assert len(sn.load_session(tmp_path / "s").kept_stations) > 12
 
 
-def test_every_module_is_there(hidden):
-    hidden("", IMPORTS)
+def test_every_module_is_there(run_portably):
+    run_portably("", IMPORTS)
