@@ -17,17 +17,6 @@ from ..periodic.steady import FromRest, Motion, Steady
 from .scene import Scene, exact_scene
 from .simulate import simulate, start_state, with_motion
 
-# Of the distance to the reported motion: what a settled motion may still change from run to run,
-# and what one may where the time is over.
-_REPEATS, _NEARLY_REPEATS = 1e-3, 0.02
-_LONGEST_S = 2.0  # waiting
-_CYCLES = 10, 100, 6000  # cycles: fewest, most on dry ground, most on viscous ground
-# On viscous ground 43 of 3200 random robots had two stable motions, in bent gaits: with cn / ct up
-# to 0.33, and ct over mass and rate of the gait up to 0.02. These are two and three times that.
-_LOW_GRIP, _LOW_DAMPING = 0.6, 0.06
-_SPIN = 0.5  # share of the gait's rate: turning rate of a start that may lead to the other motion
-_PUSH = 0.3  # share of body length times rate: speed of such a start
-
 
 def from_rest(state: Steady) -> FromRest | None:
     """Return where a start from rest leads, and the other stable motion if there is one.
@@ -36,14 +25,14 @@ def from_rest(state: Steady) -> FromRest | None:
     Where viscous ground may have two motions, runs from other starts look for the second. None:
     after two seconds of waiting it did neither; it may only settle slowly.
     """
-    gait, ground, until = state.gait, state.ground, monotonic() + _LONGEST_S
+    gait, ground = state.gait, state.ground
     if ground.smooth and not _may_have_two_motions(state):
         return FromRest(True, None)
-    cycles_limit = _CYCLES[2] if ground.smooth else _CYCLES[1]
-    cycles = math.ceil(min(max(state.settling_time_s / gait.period_s, _CYCLES[0]), cycles_limit))
+    cycles_limit = 6000 if ground.smooth else 100
+    cycles = math.ceil(np.clip(state.settling_time_s / gait.period_s, 10, cycles_limit))
     scene = Scene(state.robot, ground, gait, dt_s=gait.period_s, duration_s=cycles * gait.period_s)
     scene = exact_scene(scene, 1e-5)
-    body_m = state.robot.body_length_m
+    body_m, until = state.robot.body_length_m, monotonic() + 2.0
     reported = np.array([state.turn_rad_per_cycle, state.chord_m_s * gait.period_s / body_m])
     for k, start in enumerate(islice(_starts(scene), None if ground.smooth else 1)):
         motion = _settled(replace(scene, start=start), reported, until)
@@ -57,47 +46,50 @@ def from_rest(state: Steady) -> FromRest | None:
 
 def two_motions_text(state: Steady) -> str:
     """Return the two stable motions of a gait and which one a start from rest reaches, or ""."""
-    if state.from_rest is None or state.from_rest.other is None:
+    start = state.from_rest
+    if start is None or start.other is None:
         return ""
     second, reported = (
         f"turns {math.degrees(motion.turn_rad_per_cycle):.3g} deg and goes "
         f"{motion.chord_m_s * state.gait.period_s:.3g} m a cycle"
-        for motion in (state.from_rest.other, state)
+        for motion in (start.other, state)
     )
-    if state.from_rest.reaches_reported:
-        return (
-            "this gait has two stable motions: from rest the robot ends in the reported one, which "
-            f"{reported}; the other {second}"
-        )
     return (
-        f"this gait has two stable motions: from rest the robot ends in the one that {second}; the "
-        f"reported one {reported}"
+        f"this gait has two stable motions: the reported one {reported}; the other {second}; from "
+        f"rest the robot ends in the {'reported' if start.reaches_reported else 'other'} one"
     )
 
 
 def _may_have_two_motions(state: Steady) -> bool:
-    """Return whether viscous friction is so low, and grips so little, that bends may have two."""
-    ground = state.ground
-    damping = ground.ct_forward / (state.robot.link_mass_kg * state.gait.omega_rad_s)
-    low = ground.cn < _LOW_GRIP * ground.ct_forward and damping < _LOW_DAMPING
-    return state.gait.offset_rad != 0 and low
+    """Return whether viscous friction is so low, and grips so little, that bends may have two.
+
+    Of 3200 random robots 43 had two stable motions, in bent gaits: with cn / ct up to 0.33, and ct
+    over mass and rate of the gait up to 0.02. The limits are two and three times that.
+    """
+    ground, ct = state.ground, state.ground.ct_forward
+    low = ct < 0.06 * state.robot.link_mass_kg * state.gait.omega_rad_s
+    return state.gait.offset_rad != 0 and ground.cn < 0.6 * ct and low
 
 
 def _starts(scene: Scene) -> Iterator[LinkState]:
     """Yield the state at rest, then such that turn, or move along the tail, either way."""
     rest_state, rate = start_state(scene), scene.gait.omega_rad_s
-    for spin, push in ((0, 0), (_SPIN, 0), (-_SPIN, 0), (0, _PUSH), (0, -_PUSH)):
+    # Half the gait's rate, and 0.3 body lengths times it, lead to the other motion if there is one.
+    for spin, push in ((0, 0), (0.5, 0), (-0.5, 0), (0, 0.3), (0, -0.3)):
         ahead_m_s = push * scene.robot.body_length_m * rate
         yield with_motion(rest_state, ahead_m_s, 0.0, spin * rate)
 
 
-def _settled(scene: Scene, reported: Array, until: float) -> Array | None:
+def _settled(scene: Scene, reported: Array, until: float, repeated: float = 2e-3) -> Array | None:
     """Return the motion to which a scene settles, or the first one like the reported one.
 
-    A motion is what a cycle turns, rad, and travels, body lengths.
+    A motion is what a cycle turns, rad, and travels, body lengths. It repeats once it changes from
+    run to run by less than a share, `repeated`, of its distance to the reported one.
     """
-    motion, previous, change = None, None, math.inf  # over the distance to the reported motion
-    while monotonic() < until and not change < _REPEATS:
+    motion, change = None, math.inf
+    while change > repeated:
+        if monotonic() > until:
+            return None
         try:
             run = simulate(scene)
         except Diverged:
@@ -106,11 +98,11 @@ def _settled(scene: Scene, reported: Array, until: float) -> Array | None:
         turn_rad = (run.theta_rad[-1, 0] - run.theta_rad[-5, 0]) / 4
         previous, motion = motion, np.array([turn_rad, travel_m / scene.robot.body_length_m])
         if _same(motion, reported):
-            return motion
+            break
         if previous is not None:
             change = math.dist(motion, previous) / math.dist(motion, reported)
         scene = replace(scene, start=run.state())
-    return motion if change < _NEARLY_REPEATS else None
+    return motion
 
 
 def _same(motion: Array, reported: Array) -> bool:

@@ -28,15 +28,6 @@ ENERGY_COLUMNS = (
     "damper_heat_j",
     "positive_work_j",
 )
-BELIEVED_SIZE = 0.01  # body lengths and radians up to which a run is called believable
-WARNED_SPEED = 0.01  # relative error of the mean speed that a warning names
-WARNED_SIZE = 0.1  # body lengths and radians that a warning names
-_CSV_GROUPS = (
-    ("x_m", "y_m", "theta_rad"),
-    ("vx_m_s", "vy_m_s", "omega_rad_s"),
-    ("joint_force_x_n", "joint_force_y_n", "joint_torque_nm"),
-    ("friction_x_n", "friction_y_n"),
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,9 +35,9 @@ class Difference:
     """Hold the largest differences between two runs over their common recorded times.
 
     position_m: of any link's centre. angle_rad: of any link. mean_speed: of the centre of mass from
-    start to end, relative to the other run: nan where both rest, inf where only the other does. A
-    run rests that goes less than 1e-4 of its body's length a period. energy_j: of each column
-    of the energy ledger (Run.energy_j), by its name; None where one of the two did not record it.
+    start to end, relative to the other run: nan where that one goes less than 1e-4 of its body's
+    length a period. energy_j: of each column of the energy ledger (Run.energy_j), by its name; None
+    where one of the two did not record it.
     """
 
     position_m: float
@@ -241,7 +232,12 @@ class Run(Plottable):
         of link 2; joint_force_x3_n is that on link 3 from link 4.
         """
         header, columns = ["t_s"], [self.t_s[:, None]]
-        for names in _CSV_GROUPS:
+        for names in (
+            ("x_m", "y_m", "theta_rad"),
+            ("vx_m_s", "vy_m_s", "omega_rad_s"),
+            ("joint_force_x_n", "joint_force_y_n", "joint_torque_nm"),
+            ("friction_x_n", "friction_y_n"),
+        ):
             arrays = [getattr(self, name) for name in names]
             if arrays[0].size:
                 columns.append(np.stack(arrays, axis=2).reshape(self.t_s.size, -1))
@@ -263,10 +259,13 @@ def _numbered(name: str, number: int) -> str:
     return re.sub("_(m_s|rad_s|nm|rad|m|n)$", rf"{number}_\1", name)
 
 
-def difference(run: Run, truth: Run, factor: float = 1.0) -> tuple[Difference, float]:
+def difference(
+    run: Run, truth: Run, factor: float = 1.0, agreed_size: float = 0.01
+) -> tuple[Difference, float]:
     """Return how far a run is from another, times a factor, and up to when both agree, s.
 
-    At the times that both recorded; they agree where they are apart by no more than BELIEVED_SIZE.
+    At the times that both recorded; they agree where positions in body lengths and angles in rad
+    differ by no more than agreed_size.
     """
     t_s, a, b = np.intersect1d(run.t_s, truth.t_s, return_indices=True)
     gap = run.x_m[a] - truth.x_m[b], run.y_m[a] - truth.y_m[b]
@@ -276,29 +275,26 @@ def difference(run: Run, truth: Run, factor: float = 1.0) -> tuple[Difference, f
     if run.energy_j.size and truth.energy_j.size:
         largest = factor * np.abs(run.energy_j[a] - truth.energy_j[b]).max(axis=0)
         energy = dict(zip(ENERGY_COLUMNS, largest.tolist(), strict=True))
-    speed = math.inf
-    if not _rests(truth):
-        speed = run.travel_m / truth.travel_m - 1
-    elif _rests(run):
-        speed = math.nan
+    body_m, periods = run.scene.robot.body_length_m, t_s[-1] / run.scene.gait.period_s
+    moves = truth.travel_m > 1e-4 * periods * body_m
+    speed = run.travel_m / truth.travel_m - 1 if moves else math.nan
     largest_m, largest_rad = factor * float(position.max()), factor * float(angle.max())
-    apart = np.maximum(position / run.scene.robot.body_length_m, angle)
-    beyond = np.flatnonzero(apart > BELIEVED_SIZE)
+    beyond = np.flatnonzero(np.maximum(position / body_m, angle) > agreed_size)
     believed_s = t_s[max(beyond[0] - 1, 0)] if beyond.size else t_s[-1]
     return Difference(largest_m, largest_rad, factor * speed, energy), float(believed_s)
 
 
-def _rests(run: Run) -> bool:
-    periods = run.t_s[-1] / run.scene.gait.period_s
-    # A robot that goes less than 1e-4 body lengths a period has no speed to compare with.
-    return bool(run.travel_m <= 1e-4 * periods * run.scene.robot.body_length_m)
+def warnings_of(
+    scene: Scene, error: RunError, speed_share: float = 0.01, size_limit: float = 0.1
+) -> tuple[str, ...]:
+    """Return what somebody who uses a run of a scene with such an error must know.
 
-
-def warnings_of(scene: Scene, error: RunError) -> tuple[str, ...]:
-    """Return what somebody who uses a run of a scene with such an error must know."""
+    speed_share: relative error of the mean speed that is named; size_limit: the error of places
+    that is, in body lengths and rad.
+    """
     finer = "take a smaller " + ("tolerance" if scene.adaptive else "dt_s")
     steps, size = error.integration, error.integration.size(scene.robot.body_length_m)
-    spring_share = error.modelling.mean_speed if error.modelling else 0.0
+    spring_shift = error.modelling.mean_speed if error.modelling else 0.0
     shift = abs(steps.mean_speed)
     stiffness_n_m, exact = scene.joint_stiffness_n_m, "formulation 'explicit'"
     springs = f"the springs (k = {stiffness_n_m:g} N/m)"
@@ -306,20 +302,16 @@ def warnings_of(scene: Scene, error: RunError) -> tuple[str, ...]:
     warnings = {
         "the error estimate is no bound: finer runs disagree as much among themselves as with "
         f"this one; believe it up to t = {error.believed_s:.3g} s, or {finer}": not error.settled,
-        f"{springs} move a robot that rests in the exact model; take {exact}": (
-            spring_share == math.inf
+        f"{springs} change the mean speed by {100 * spring_shift:+.2g} %; the error falls as 1/k: "
+        f"take k = {100 * stiffness_n_m * abs(spring_shift):.1g} N/m for 1 %, or {exact}": (
+            abs(spring_shift) > speed_share
         ),
-        f"{springs} change the mean speed by {100 * spring_share:+.2g} %; the error falls as 1/k: "
-        f"take k = {100 * stiffness_n_m * abs(spring_share):.1g} N/m for 1 %, or {exact}": (
-            WARNED_SPEED < abs(spring_share) < math.inf
-        ),
-        f"the time steps move a robot that rests; {finer}": steps.mean_speed == math.inf > size,
         f"the time steps may change the mean speed by {100 * shift:.2g} %; {finer}": (
-            WARNED_SPEED < shift < math.inf
+            speed_share < shift < math.inf
         ),
         f"the time steps may put links off by {steps.position_m:.2g} m and "
         f"{steps.angle_rad:.2g} rad; {finer}": (
-            WARNED_SIZE < size < math.inf and not shift > WARNED_SPEED
+            size_limit < size < math.inf and not shift > speed_share
         ),
         f"method {scene.method!r} knows nothing of sticking: at rest its wheels chatter, and "
         f"joint torques may be wrong by a third at any step; take method 'nonsmooth'{model}": (

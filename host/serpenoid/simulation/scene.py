@@ -35,8 +35,6 @@ from ..model.robot import Robot
 
 MAX_LINK_STEPS = 10**11
 MIN_TOLERANCE = 1e-13
-MAX_RECORDED_BYTES = 4_000_000_000
-MAX_FIRMWARE_JOINTS = 255  # joints of the gait in fixed point: a byte counts them
 _LIMITS = {
     "joint_stiffness_n_m": NOT_NEGATIVE,
     "joint_damping_n_s_m": NOT_NEGATIVE,
@@ -195,7 +193,7 @@ class Scene:
             raise BadInput(f"method {self.method!r} {why}; take {_ways_out(self)}")
         self._check_start()
 
-    def _check_counts(self) -> None:
+    def _check_counts(self, max_bytes: float = 4e9) -> None:
         links = self.robot.links
         if self.record_every is not None:
             check_whole("record_every", self.record_every, 1)
@@ -207,11 +205,10 @@ class Scene:
             )
         values = 6 + 3 * ("joints" in self.record) + 2 * ("friction" in self.record)
         size = 8 * values * links * (self.steps / self.record_steps + 2)
-        if size > MAX_RECORDED_BYTES:
+        if size > max_bytes:
             raise BadInput(
-                f"recording would take {size / 1e9:.3g} GB, more than "
-                f"{MAX_RECORDED_BYTES / 1e9:g} GB; take record_every "
-                f"{math.ceil(self.record_steps * size / MAX_RECORDED_BYTES)} or more"
+                f"recording would take {size / 1e9:.3g} GB, more than {max_bytes / 1e9:g} GB; take "
+                f"record_every {math.ceil(self.record_steps * size / max_bytes)} or more"
             )
 
     def _check_drive(self) -> None:
@@ -231,12 +228,8 @@ class Scene:
             self._check_firmware()
 
     def _check_firmware(self) -> None:
-        joints = self.robot.links - 1
-        if joints > MAX_FIRMWARE_JOINTS:
-            raise BadInput(
-                f"robot has {joints} joints; the firmware's gait serves at most "
-                f"{MAX_FIRMWARE_JOINTS}"
-            )
+        # The gait in fixed point counts joints in a byte.
+        check_whole("with drive 'servo', robot.links", self.robot.links, 2, 256)
         for name, limit in _FIRMWARE_LIMITS.items():
             value = getattr(self.gait, name)
             check_number(f"with drive 'servo', gait.{name}", value, -limit, limit)

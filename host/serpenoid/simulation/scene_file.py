@@ -24,12 +24,6 @@ from ..model.robot import Robot
 from .scene import Scene
 
 FORMAT = 2
-_HEAD = """\
-# A scene of serpenoid: SI units and radians (an angle may be typed in degrees, alpha_deg = 70);
-# links and joints count from the tail; mass and friction are those of the whole robot.
-"""
-
-
 # Where a file's key is not the field's name: its unit is spelt out.
 _KEYS = {"ct": "ct_n_s_m", "cn": "cn_n_s_m", "ft0": "ft0_n", "fn0": "fn0_n", "locked": "locked_rad"}
 _MAKERS: dict[str, Callable[..., Any]] = {
@@ -126,7 +120,11 @@ def save_scene(scene: Scene, path: str | Path) -> None:
     """
     import tomli_w
 
-    write_named(path, _HEAD + tomli_w.dumps({"format": FORMAT} | scene_values(scene)))
+    head = """\
+# A scene of serpenoid: SI units and radians (an angle may be typed in degrees, alpha_deg = 70);
+# links and joints count from the tail; mass and friction are those of the whole robot.
+"""
+    write_named(path, head + tomli_w.dumps({"format": FORMAT} | scene_values(scene)))
 
 
 def scene_values(scene: Scene) -> dict[str, Any]:

@@ -27,30 +27,23 @@ from ..model.gait import Gait, joint_motion
 from ..model.robot import Robot
 from .scene import Scene, objection
 
-_PHASES, _MOST_LINKS = 8, 60
-_PAPER_SIZE = 3  # size of the state of the paper's step: x, h v, and the h v before
-_SHORTEST_S, _LONGEST_S = 1e-60, 1e9  # between which the limit is searched for
-_ROUNDING = 1e-12  # error of Jury's first two sums, which vanish with the step
+EXACT_LINKS = 60  # above it modes have a bound that holds for any shape: exact ones take seconds
 
 
 def _shapes(robot: Robot, gait: Gait) -> Array:
     """Return the links' angles of a robot in the shapes of a gait at eight phases, (8, n)."""
-    phases = np.arange(_PHASES) * math.pi / _PHASES
+    phases = np.linspace(0.0, math.pi, 8, endpoint=False)
     bends = joint_motion(gait, robot.links - 1, phases / gait.omega_rad_s).angle_rad
     return np.pad(bends.cumsum(axis=1), ((0, 0), (1, 0)))
 
 
 @lru_cache
-def _joint_modes(robot: Robot, gait: Gait, imposed: bool) -> tuple[float, float]:
-    """Return the smallest and the largest mu of the chain's joints over a cycle, 1/kg.
-
-    Exact for up to 60 links at eight phases of the gait; above, a bound that holds for any shape.
-    """
-    if robot.links > _MOST_LINKS:
-        return 0.0, 4 / robot.link_mass_kg + robot.link_length_m**2 / robot.inertia_kg_m2
+def _joint_modes(robot: Robot, gait: Gait, imposed: bool) -> float:
+    """Return the largest mu of the chain's joints over a cycle, 1/kg."""
+    if robot.links > EXACT_LINKS:
+        return 4 / robot.link_mass_kg + robot.link_length_m**2 / robot.inertia_kg_m2
     compliances = [_compliance(robot, theta, imposed) for theta in _shapes(robot, gait)]
-    moduli = np.linalg.eigvalsh(compliances)
-    return float(moduli.min()), float(moduli.max())
+    return float(np.linalg.eigvalsh(compliances).max())
 
 
 def _compliance(robot: Robot, theta_rad: Array, imposed: bool) -> Array:
@@ -67,22 +60,18 @@ def _compliance(robot: Robot, theta_rad: Array, imposed: bool) -> Array:
 
 
 @lru_cache
-def _mobility(robot: Robot, gait: Gait) -> tuple[float, float]:
-    """Return the least and greatest eigenvalue nu of d phi''/d(servo torque), 1/(kg m^2).
-
-    Of pinned joints: exact up to 60 links at eight phases, else the bound of free links.
-    """
+def _mobility(robot: Robot, gait: Gait, pinned: bool) -> float:
+    """Return the largest eigenvalue nu of d phi''/d(servo torque), 1/(kg m^2)."""
     n = robot.links
-    if n > _MOST_LINKS:
-        return 0.0, 4 / robot.inertia_kg_m2
+    if n > EXACT_LINKS or not pinned:
+        return 4 / robot.inertia_kg_m2  # of free links
     arms = robot.link_length_m / 2 * (np.tri(n) + np.tri(n, k=-1))  # centres by links' angles
     arms -= arms.mean(axis=0)
     theta_rad = _shapes(robot, gait)
     along = np.cos(theta_rad[:, :, None] - theta_rad[:, None])
     masses = robot.inertia_kg_m2 * np.eye(n) + robot.link_mass_kg * (arms.T @ arms) * along
     apart = np.diff(np.eye(n), axis=0)
-    mobilities = np.linalg.eigvalsh(apart @ np.linalg.solve(masses, apart.T))
-    return float(mobilities.min()), float(mobilities.max())
+    return float(np.linalg.eigvalsh(apart @ np.linalg.solve(masses, apart.T)).max())
 
 
 def _motor_line(servo: Servo, gait: Gait) -> float:
@@ -102,7 +91,7 @@ def _step(method: str, stiff: Array, damped: Array, braked: Array) -> Array:
     stiff, damped, braked: of each mode, times h^2, h and h. The dampers of "paper" act on the v of
     the step before; else the last of y is v.
     """
-    size = _PAPER_SIZE if method == "paper" else 2
+    size = 3 if method == "paper" else 2
     unit = np.broadcast_to(np.eye(size)[:, None], (size, stiff.size, size))
 
     def force(y: Array) -> Array:
@@ -132,50 +121,27 @@ def friction_rate(scene: Scene) -> float:
 def _modes(scene: Scene) -> tuple[Array, Array, Array]:
     """Return stiff (1/s^2), damped and braked (1/s) of the modes x'' + (d + b) x' + s x = 0.
 
-    Eight modes of springs of the implicit joints, eight of servos (the ends decide: more give the
-    same limit), and friction (stiff = 0). Friction brakes every mode
+    The fastest mode of springs of the implicit joints, that of servos (slower ones give the same
+    limit), and friction (stiff = 0). Friction brakes every mode
     besides, by up to its fastest rate.
     """
     friction = 0.0 if scene.method == "nonsmooth" else friction_rate(scene)  # 0: implicit there
-    stiff, damped = [np.zeros(1)], [np.zeros(1)]
-    if scene.formulation == "implicit":
+    modes, implicit = [(0.0, 0.0)], scene.formulation == "implicit"
+    if implicit:
         imposed = scene.drive == "angle" and not scene.limp
-        mu = np.linspace(*_joint_modes(scene.robot, scene.gait, imposed), 8)
-        stiff.append(scene.joint_stiffness_n_m * mu)
-        damped.append(scene.joint_damping_n_s_m * mu)
-    if scene.servo is not None:
-        ends = 0.0, 4 / scene.robot.inertia_kg_m2  # rates of free links
-        if scene.formulation == "explicit":
-            ends = _mobility(scene.robot, scene.gait)
-        nu = np.linspace(*ends, 8)
-        nu = nu / (1 + scene.servo.armature_kg_m2 * nu)  # rotors turn with their joints
-        gear = scene.servo.gear_damping_nms_rad
-        stiff += [scene.servo.stiffness_nm_rad * nu, 0 * nu]
-        damped += [
-            (scene.servo.damping_nms_rad + gear) * nu,
-            (_motor_line(scene.servo, scene.gait) + gear) * nu,
-        ]
-    braked = np.repeat([0.0, friction], sum(map(len, stiff)))
-    return np.concatenate(stiff * 2), np.concatenate(damped * 2), braked
+        mu = _joint_modes(scene.robot, scene.gait, imposed)
+        modes.append((scene.joint_stiffness_n_m * mu, scene.joint_damping_n_s_m * mu))
+    if (servo := scene.servo) is not None:
+        nu = _mobility(scene.robot, scene.gait, not implicit)
+        nu /= 1 + servo.armature_kg_m2 * nu  # rotors turn with their joints
+        gear, line = servo.gear_damping_nms_rad, _motor_line(servo, scene.gait)
+        modes.append((servo.stiffness_nm_rad * nu, (servo.damping_nms_rad + gear) * nu))
+        modes.append((0.0, (line + gear) * nu))
+    stiff, damped = np.array(modes * 2).T
+    return stiff, damped, np.repeat([0.0, friction], len(modes))
 
 
-def _inside_unit_circle(matrices: Array) -> bool:
-    """Return whether no eigenvalue of any matrix, (..., 2, 2) or (..., 3, 3), is beyond 1.
-
-    By Jury's conditions for z^3 - trace z^2 + minors z - det.
-    """
-    if not np.isfinite(matrices).all():
-        return False
-    # Undamped modes live on the edge, where rounding is allowed.
-    scaled = matrices / (1 + 1e-9)
-    trace = np.trace(scaled, axis1=-2, axis2=-1)
-    minors = (trace**2 - np.trace(scaled @ scaled, axis1=-2, axis2=-1)) / 2
-    det = np.linalg.det(scaled) if scaled.shape[-1] == _PAPER_SIZE else np.zeros_like(trace)
-    inside = (1 + minors - np.abs(trace + det) >= -_ROUNDING) & (np.abs(det) <= 1)
-    return bool((inside & (np.abs(minors - trace * det) <= 1 - det**2)).all())
-
-
-def is_stable(scene: Scene, dt_s: float) -> bool:
+def is_stable(scene: Scene, dt_s: float, edge: float = 1 + 1e-7) -> bool:
     """Return whether a step of a scene is stable; any is of a method that picks its own.
 
     It is where the step's matrix, as the method itself takes it, has no eigenvalue beyond 1, and
@@ -188,12 +154,16 @@ def is_stable(scene: Scene, dt_s: float) -> bool:
     steps_s = dt_s * np.geomspace(0.03, 1.0, 40)[:, None]
     with np.errstate(all="ignore"):
         numbers = stiff * steps_s**2, damped * steps_s, braked * steps_s
-        return _inside_unit_circle(_step(scene.method, *(number.ravel() for number in numbers)))
+        matrices = _step(scene.method, *(number.ravel() for number in numbers))
+    if not np.isfinite(matrices).all():
+        return False
+    # Undamped modes live on the edge, where rounding is allowed.
+    return bool(np.abs(np.linalg.eigvals(matrices)).max() <= edge)
 
 
 def largest_stable_step_s(scene: Scene) -> float:
     """Return the fixed step, s, up to which all are stable; inf where nothing limits it."""
-    low_s, high_s = _SHORTEST_S, _LONGEST_S
+    low_s, high_s = 1e-60, 1e9
     if is_stable(scene, high_s):
         return math.inf
     # 45 halvings of the logarithm give the limit to 5e-12.

@@ -22,10 +22,6 @@ from .scene import Scene
 from .simulate import simulate
 from .stability import largest_stable_step_s
 
-_MOST_CYCLES = 4096
-_MOST_STEPS = 1e6  # a cycle, of which a state takes 20 at least: minutes
-WORK_COLUMNS = [ENERGY_COLUMNS.index(name) for name in ("joint_work_j", "positive_work_j")]
-
 
 @dataclass(frozen=True, slots=True)
 class SteadySprings(Result):
@@ -88,25 +84,33 @@ class SteadySprings(Result):
 
 
 def _cycles(
-    robot: Robot, ground: Ground, gait: Gait, springs: tuple[float, float], rtol: float
+    robot: Robot,
+    ground: Ground,
+    gait: Gait,
+    springs: tuple[float, float],
+    rtol: float,
+    max_steps: float = 1e6,
 ) -> Scene:
-    """Return a scene whose step divides a cycle: stable, and short enough for rtol."""
+    """Return a scene whose step divides a cycle: stable, and short enough for rtol.
+
+    max_steps: of a cycle, of which a state takes 20 at least, and so minutes.
+    """
     period, method = gait.period_s, "rk4" if ground.smooth else "nonsmooth"
     scene = Scene(robot, ground, gait, "implicit", *springs, method=method, start="steady")
     # 1000 steps a cycle give powers to 1e-4 or closer, a tenth of them speeds to 1e-3.
     step_count = 1000 * min(max(1e-4 / rtol, 0.1), 1.0)
     step_count = max(step_count, 2 * period / largest_stable_step_s(scene))
-    if step_count > _MOST_STEPS:
+    if step_count > max_steps:
         raise BadInput(
             f"joint_stiffness_n_m {springs[0]:g} and joint_damping_n_s_m {springs[1]:g} ask for "
-            f"{step_count:.1g} time steps a cycle; at most {_MOST_STEPS:.0e} are taken: make "
+            f"{step_count:.1g} time steps a cycle; at most {max_steps:.0e} are taken: make "
             "joints softer or less damped, or take the exact model, to which stiff joints come near"
         )
     steps = 2 * math.ceil(step_count / 2)
     return replace(scene, dt_s=period / steps, record_every=steps, record=("energy",))
 
 
-def _settled(scene: Scene, rtol: float) -> tuple[Run, float, float, int]:
+def _settled(scene: Scene, rtol: float, max_cycles: int = 4096) -> tuple[Run, float, float, int]:
     """Follow the motion until its speed is the periodic state's to rtol.
 
     Returns the last run, what later cycles still change of the speed, m/s, how many times what the
@@ -114,7 +118,7 @@ def _settled(scene: Scene, rtol: float) -> tuple[Run, float, float, int]:
     """
     floor_m_s = speed_floor_m_s(scene.robot, scene.gait.omega_rad_s)
     cycles, count, change = 0, 8, math.inf
-    while cycles < _MOST_CYCLES:
+    while cycles < max_cycles:
         run = simulate(replace(scene, duration_s=count * scene.gait.period_s))
         cycles += count
         speeds = run.mean_speed_m_s(scene.gait.period_s)
@@ -133,7 +137,8 @@ def _settled(scene: Scene, rtol: float) -> tuple[Run, float, float, int]:
 
 def _powers_w(run: Run) -> Array:
     """Return net and positive power of every cycle of a run that recorded each, W, (cycles, 2)."""
-    return np.diff(run.energy_j[:, WORK_COLUMNS], axis=0) / run.scene.gait.period_s
+    columns = [ENERGY_COLUMNS.index(name) for name in ("joint_work_j", "positive_work_j")]
+    return np.diff(run.energy_j[:, columns], axis=0) / run.scene.gait.period_s
 
 
 def steady_springs(
