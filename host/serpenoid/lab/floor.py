@@ -94,7 +94,7 @@ class Floor:
         # With a servo the speed is then some 0.2 % off, 3 % without its rotor.
         step_s = 5e-4 if servo else STEP_S
         rows = chain.follow(np.ascontiguousarray(setpoints_rad), frame_s, step_s)
-        check_answer(len(rows) == len(setpoints_rad) and np.isfinite(rows).all())
+        check_answer(len(rows) == len(setpoints_rad) and bool(np.isfinite(rows).all()))
         t, angles = np.arange(1.0, len(rows) + 1) * frame_s, rows[:, 2:]
         return Track(t, rows[:, 0], rows[:, 1], angles.mean(axis=1)), np.diff(angles, axis=1)
 
