@@ -28,7 +28,6 @@ from .track_look import Look, look_at, pushes_in
 
 # A film to its track: of pushes, and cells of each push in it; or of a crawl, to cells of `video`.
 FilmReader = Callable[[Path, Robot, Gait | None], Tracked]
-TEXTS = (".csv", ".txt", ".tsv", ".dat", *OTHER_PROGRAMS)
 
 
 def named_file(text: str) -> tuple[Path, str | None] | None:
@@ -59,7 +58,7 @@ def take_track(
     whose joints hold still. tell: is called with what a person should know of the file.
     capture_fps: pictures a second that the camera took, where a track was made of slow motion.
     """
-    if path.suffix.lower() in TEXTS or not isfile(path):
+    if path.suffix.lower() in (".csv", ".txt", ".tsv", ".dat", *OTHER_PROGRAMS) or not isfile(path):
         track, notes = read_track_file(path, unit)
         for note in notes:
             tell(note)

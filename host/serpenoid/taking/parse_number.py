@@ -11,25 +11,38 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..base.errors import BadInput
-from ..session.declaration import Field, Range
+from ..session.declaration import Field, Range, Units
 from ..session.folder import kind_of
 from ..session.settings import Setup
 
-_FIRST = re.compile(
-    r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)(?:\s*([^\s\d;,.+-][^\s;]*))?(?=[\s;]|$)[\s;]*"
-)
-_SPELLINGS = {
+SPELLINGS = {  # unit -> how people and programs write it, too
     "deg": "° degree degrees",
     "%": "percent",
     "km/h": "kmh kph km/hr",
     "m/s": "ms mps",
-    "s": "sec secs",
+    "m": "meter meters metre metres м",
+    "cm": "centimeter centimeters centimetre centimetres см",
+    "mm": "millimeter millimeters millimetre millimetres мм",
+    "in": 'inch inches "',
+    "ft": "foot feet",
+    "yd": "yard yards",
+    "s": "sec secs second seconds с сек",
+    "ms": "msec millisecond milliseconds мс 毫秒",
+    "μs": "us microsecond microseconds",
     "min": "mins",
     "kg": "kgs",
     "g": "gr grams gram",
     "lb": "lbs",
-    "in": "inch inches",
 }
+
+
+def spelled_unit(text: str, units: Units) -> str:
+    """Return which of some units a text names, "" if it is none of them."""
+    spelled = text.casefold()
+    for unit in units:
+        if spelled in (unit.casefold(), *SPELLINGS.get(unit, "").split()):
+            return unit
+    return ""
 
 
 def bare_unit(field: Field, belt_unit: str) -> str:
@@ -45,11 +58,14 @@ def first_number(text: str, field: Field, belt_unit: str = "") -> tuple[float, s
     text = text.strip().replace("−", "-")
     if not text and field.usual is not None:
         return field.usual, ""
-    match = _FIRST.match(text)
+    number, unit_text = r"[+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?", r"[^\s\d;,.+-][^\s;]*"
+    match = re.match(rf"({number})(?:\s*({unit_text}))?(?=[\s;]|$)[\s;]*", text)
     remainder = "" if match is None else text[match.end() :]
     if match is None or (remainder and not re.match(r"[+-]?[.,]?\d", remainder)):
         raise BadInput(f"{text!r} is no number; {field.example}")
-    unit = _unit(match[2], field) if match[2] else bare_unit(field, belt_unit)
+    unit = spelled_unit(match[2], field.units) if match[2] else bare_unit(field, belt_unit)
+    if match[2] and not unit:
+        raise BadInput(f"{match[2]!r} is neither a number nor a unit of this; {field.example}")
     value = _converted(float(match[1].replace(",", ".")), unit, field)
     if not field.low <= value <= field.high or (field.open_low and value == field.low):
         raise BadInput(
@@ -76,13 +92,6 @@ def doubt_in_words(value: float, field: Field, likely: Range) -> str:
     name = field.words.partition(" (")[0]
     span = f"{likely[0]:.3g} to {likely[1]:.3g} {field.unit}"
     return f"{name}: {value:.4g} {field.unit}; expected {span}{why}"
-
-
-def _unit(text: str, field: Field) -> str:
-    for unit in field.units:
-        if text.lower() in (unit.lower(), *_SPELLINGS.get(unit, "").split()):
-            return unit
-    raise BadInput(f"{text!r} is neither a number nor a unit of this; {field.example}")
 
 
 def _converted(number: float, unit: str, field: Field) -> float:

@@ -25,8 +25,6 @@ from .parse_number import typed_cells
 from .simulated import SimulatedPerson, Truth, take_all, wheel_inertia_kg
 from .steps import Step
 
-FRICTIONS = ("ct", "cn", "ft0", "fn0")
-
 
 def simulated_person(top: Table, setup: Setup) -> SimulatedPerson:
     """Return the simulated person, with robot and ground, of a script's table [simulated].
@@ -34,10 +32,10 @@ def simulated_person(top: Table, setup: Setup) -> SimulatedPerson:
     top: the whole script. The robot's joints have a hobby servo, sampled with the seed from those
     that predictions assume. Raises BadInput, naming file and line.
     """
-    table = top.table("simulated")
-    table.only("seed", *FRICTIONS)
+    table, frictions = top.table("simulated"), ("ct", "cn", "ft0", "fn0")
+    table.only("seed", *frictions)
     seed = table.integer("seed")
-    ground = Ground(*(table.number(name, 0.0) for name in FRICTIONS))
+    ground = Ground(*(table.number(name, 0.0) for name in frictions))
     servo, rolling_kg = driving(setup, HOBBY).draws(1, seed)[0], wheel_inertia_kg(setup)
     return SimulatedPerson(setup, Truth(ground, servo=servo, rolling_kg=rolling_kg), seed)
 

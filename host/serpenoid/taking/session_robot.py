@@ -12,8 +12,6 @@ from ..robot.robot import RobotBoard
 from ..robot.tools.limp_test import RELEASED
 from ..robot.wire.link import Link
 
-LIMP = 1.0  # value of the setting `released`
-LIMP_S = 30.0  # silence of the host after which a pose is let go; it speaks each half second
 # Joints that jump shake wheels loose which would rest: in the lab, steering at 45 deg/s takes a
 # quarter of its standard deviation off fn0.
 STEER_DEG_S, POSE_DEG_S = 2.0, 45.0
@@ -41,7 +39,7 @@ class SessionRobot:
             settings = robot.settings()
             self._released = settings["released"]
             if not settings["limp"]:  # after a kill nothing else would let go of the bend
-                robot.set("limp", LIMP_S)
+                robot.set("limp", 30.0)
             if not settings["silence"]:
                 robot.set("silence", 2.0)
             if settings["pose_speed"] > STEER_DEG_S:  # else it was left so by a kill
@@ -63,9 +61,9 @@ class SessionRobot:
     @property
     def without_pulses(self) -> str:
         """Return in words what the servos do once idle() has ended their pulses."""
-        if self._released == LIMP:
-            return "servos off"
-        return f"pulses off ({RELEASED[self._released]})"
+        limp = 1.0  # value of the board's setting of servos that were seen to go limp
+        off = self._released == limp
+        return "servos off" if off else f"pulses off ({RELEASED[self._released]})"
 
     def pose(self, bend_deg: float, bend: str = "balanced") -> None:
         """Bend the robot, balanced or as a zigzag; straight at 0."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -39,15 +39,7 @@ from .procedure import next_step
 from .steps import Step, Tracked, record_step
 from .track_look import look_at
 
-MAX_STEPS = 1000  # steps after which no session ends
-RUN_M, RUN_S = 1.0, 40.0  # distance and time of a gait run at most
 FILM_ERROR = 0.002  # relative error of a crawl's scale and of each joint's amplitude
-# Error at each end under a protractor, over what is stated of the bend: half the mean of both errs
-# by that at a treadmill, by half of it on a floor, where there is room and light.
-PROTRACTOR_ENDS = {"treadmill": 2 * math.sqrt(2), "floor": math.sqrt(2)}
-
-
-PHONE = Camera()
 
 
 @dataclass(frozen=True)
@@ -78,7 +70,7 @@ class Truth:
     slope_rad: float = 0.0
     across_rad: float = 0.0
     film_scale: float = 1.0
-    camera: Camera = PHONE
+    camera: Camera = field(default_factory=Camera)
 
     def robot(self, body: Robot, rng: np.random.Generator) -> LabRobot:
         """Return the robot as it truly is, its joint errors drawn."""
@@ -148,7 +140,10 @@ class SimulatedPerson:
     def _bend(self, step: Step) -> Cells:
         """Bend as planned; lay the protractor on the joints at both ends."""
         self._straight(step)
-        sigma_rad = PROTRACTOR_ENDS[self.setup.plan.on] * self.setup.instruments.lambda_sigma_rad
+        # At a treadmill the bend errs by twice what half the mean of both ends does; a floor has
+        # room and light.
+        factor = math.sqrt(2) * (1.0 if self.setup.plan.on == "floor" else 2.0)
+        sigma_rad = factor * self.setup.instruments.lambda_sigma_rad
         shown_deg = self.robot.protractor_deg(self._pose_rad, sigma_rad, self.rng)
         return {"between_links_deg": round(sum(shown_deg) / 2, 1)}
 
@@ -214,7 +209,8 @@ class SimulatedPerson:
             return Tracked(crawl_cells(rows, gait), rows, "video")
         rises = {"slope_rad": slopes[0], "across_rad": slopes[1]}
         speed_m_s = self._crawl_speed(self.robot, swinging, **rises)
-        return self._timed(min(RUN_M, speed_m_s * RUN_S), max(speed_m_s, 1e-6))
+        longest_m, longest_s = 1.0, 40.0
+        return self._timed(min(longest_m, speed_m_s * longest_s), max(speed_m_s, 1e-6))
 
     def _error(self, sigma: float) -> float:
         return float(self.rng.normal()) * sigma
@@ -230,7 +226,8 @@ def take_all(
     show_step: is called with each step when it is done.
     """
     posed_deg: float | None = None
-    for _ in range(MAX_STEPS):
+    most_steps = 1000
+    for _ in range(most_steps):
         step = next_step(record.session, posed_deg)
         if step.kind == "done":
             return record.session
@@ -242,7 +239,7 @@ def take_all(
             posed_deg = step.posed_deg
         show_step(step)
     raise NotConverged(
-        f"{MAX_STEPS} steps and no end: does the treadmill's incline rise at all? Look at the "
+        f"{most_steps} steps and no end: does the treadmill's incline rise at all? Look at the "
         "readings with `serpenoid calibrate status`"
     )
 

@@ -19,8 +19,6 @@ from ..session.station import BendCheck
 from ..session.track import Samples
 
 Doubts = list[tuple[Field, Range]]  # numbers that are outside the range that was expected
-POSES = ("straight", "bend", "station", "push")  # kinds of steps after which the robot lies posed
-SAME_SINE = 1e-4  # difference of inclines' sines below which no line goes through stations
 
 
 class Tracked(dict[str, "float | str"]):
@@ -53,7 +51,8 @@ class Step:
     @property
     def posed_deg(self) -> float | None:
         """Return how the robot lies after it, by the plan's bend; None where nobody knows."""
-        return self.lambda_deg if self.kind in POSES else None
+        is_posed = self.kind in ("straight", "bend", "station", "push")
+        return self.lambda_deg if is_posed else None
 
 
 def record_step(record: Journal, step: Step, cells: Cells) -> int:
@@ -116,7 +115,8 @@ def line_of(session: Session, bend_deg: float) -> tuple[float, float] | None:
     """
     stations = taken_in(session, bend_deg)
     sines = [math.sin(station.incline_rad) for station in stations]
-    if not sines or np.ptp(sines) < SAME_SINE:
+    same_sine = 1e-4  # spread of sines through which no line is drawn
+    if not sines or np.ptp(sines) < same_sine:
         return None
     slope, offset_m_s = np.polyfit(sines, [station.slip_speed_m_s for station in stations], 1)
     return (float(slope), float(offset_m_s)) if slope > 0.0 else None

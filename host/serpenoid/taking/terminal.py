@@ -14,7 +14,6 @@ from ..base.files import visible
 from ..robot.tools.keys import KeyReader
 
 PATIENCE_S = 300.0  # time without an answer, s, after which the servos are let go
-TICK_S = 0.5  # time between two looks at a robot, s, while a prompt waits
 
 
 class Console:
@@ -39,11 +38,12 @@ class Console:
 
         tick is called twice a second while waiting.
         """
+        tick_s = 0.5  # time between two looks at a robot
         line, end_s, terminal = "", time.monotonic() + PATIENCE_S, sys.stdin.isatty()
         with system.single_keys() if terminal else nullcontext():
             print(visible(prompt), end="", flush=True)  # once keys are heard
             while True:
-                key = self._reader(TICK_S)
+                key = self._reader(tick_s)
                 if terminal and key in self.keys and not (key == " " and line):
                     shown = f"{prompt.lstrip()}{line}"[-40:]
                     print(f"\r\x1b[K  [{self.keys[key]()}] {shown}", end="", flush=True)

@@ -7,22 +7,27 @@ Columns are told by their names, as Tracker, Kinovea (in its languages) and peop
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..base.checks import check_choice, count_text
 from ..base.errors import BadInput
 from ..base.tables import EMPTY_CELLS, TextTable, read_table
 from ..base.toml_table import located
-from ..session.declaration import LENGTH_UNITS
+from ..session.declaration import LENGTH_UNITS, Units
+from ..session.track import Floats
+from .parse_number import spelled_unit
 
-Floats = NDArray[np.float64]
-NEEDED = "t_s,x_m,y_m, or as in Time (ms);Trajectory 1/X (cm);Trajectory 1/Y (cm)"
-TIME_UNITS = {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "min": 60.0, "min/100": 0.6, "hour/10000": 0.36}
+TIME_UNITS: Units = {
+    "s": 1.0,
+    "ms": 1e-3,
+    "μs": 1e-6,
+    "min": 60.0,
+    "min/100": 0.6,
+    "hour/10000": 0.36,
+}
 # What a column is -> words in its name; those of a time in Kinovea's languages.
 WORDS = {
     "t": "t time timestamp temps zeit tiempo tempo tid tijd czas čas vreme vrijeme време время "
@@ -30,40 +35,11 @@ WORDS = {
     "frame": "n frame frames step image picture bild",
     "rate": "v vel velocity speed acc accel acceleration",
 }
-_WORDS = {meaning: frozenset(words.casefold().split()) for meaning, words in WORDS.items()}
-SPELLINGS = {
-    "m": "m meter meters metre metres м",
-    "cm": "cm centimeter centimeters centimetre centimetres см",
-    "mm": "mm millimeter millimeters millimetre millimetres мм",
-    "in": 'in inch inches "',
-    "ft": "ft foot feet",
-    "yd": "yd yard yards",
-    "s": "s sec secs second seconds с сек",
-    "ms": "ms msec millisecond milliseconds мс 毫秒",
-    "μs": "μs us microsecond microseconds",
-    "min": "min minute minutes",
-    "min/100": "min/100",
-    "hour/10000": "hour/10000",
-}
-_UNITS = dict[str, str]()  # spelling -> unit
-for _unit, _words in SPELLINGS.items():
-    _UNITS |= dict.fromkeys(_words.split(), _unit)
-_IN_BRACKETS = re.compile(r"[(\[{]\s*([^()\[\]{}]*?)\s*[)\]}]\s*$")
-_AT_END = re.compile(r"[\s_/]+(?:in\s+)?([^\s_/]+(?:/\d+)?)$")
-_AXIS = re.compile(r"(?:pos|position|coord)?([xy])(?:pos|position|coord)?\d*")
-LENGTH_ADVICE = (
-    "which is no length; set the scale and export again (Tracker: Track > New > Calibration Tools; "
-    "Kinovea: draw a line of known length, right-click it, Calibrate); units that are read: "
-    f"{', '.join(LENGTH_UNITS)}"
-)
 TIME_ADVICE = (
     "export the time in s or ms (Tracker: take t as the first column; Kinovea: milliseconds as "
     "the time format in its preferences, and no normalized time), or, if it is in s, name the "
     "column Time (s)"
 )
-# Pictures a second: no camera of a phone takes more, no film of a push without unit has fewer.
-MAX_RATE_HZ, MIN_RATE_HZ = 2000.0, 2.0
-MIN_PLACES = 3
 
 
 class Column(NamedTuple):
@@ -77,34 +53,40 @@ class Column(NamedTuple):
     meaning: str
     unit: str | None
 
-    def factor(self, units: Mapping[str, float], advice: str) -> float | None:
+    def factor(self, units: Units, advice: str) -> float | None:
         """Return what its numbers are multiplied with, None if it names no unit; raises BadInput.
 
         units: that it may be in. advice: what to do about another.
         """
         if self.unit is None:
             return None
-        unit = _UNITS.get(self.unit.casefold(), "")
-        if unit not in units:
+        unit = spelled_unit(self.unit, units)
+        if not unit:
             raise BadInput(f"{self.name} is in {self.unit or 'an empty unit'!r}, {advice}")
         return units[unit]
 
 
 def _column(place: int, cell: str) -> Column:
     """Return what the name of a column says."""
-    match = _IN_BRACKETS.search(cell)
+    match = re.search(r"[(\[{]\s*([^()\[\]{}]*?)\s*[)\]}]\s*$", cell)
     if match is None:
-        match = _AT_END.search(cell)
-        match = match if match and match[1].casefold() in _UNITS else None
-    name = cell[: match.start()] if match else cell
-    words = re.findall(r"[^\s/_.,:;#|()-]+", name.casefold()) or [""]
-    axis = _AXIS.fullmatch(words[-1]) or _AXIS.fullmatch(words[0])
-    rate = _WORDS["rate"].intersection(words) or re.match("[vapl]_", name.casefold())
-    meaning = axis[1] if axis and not rate else ""  # v_x and a_x are Tracker's
-    if _WORDS["t"].intersection((words[0], words[-1])):
+        match = re.search(r"[\s_/]+(?:in\s+)?([^\s_/]+(?:/\d+)?)$", cell)
+        match = match if match and spelled_unit(match[1], TIME_UNITS | LENGTH_UNITS) else None
+    name = (cell[: match.start()] if match else cell).casefold()
+    words = re.findall(r"[^\s/_.,:;#|()-]+", name) or [""]
+    axis = re.compile(r"(?:pos|position|coord)?([xy])(?:pos|position|coord)?\d*").fullmatch
+    found = axis(words[-1]) or axis(words[0])
+
+    def says(meaning: str, *parts: str) -> bool:
+        return not {*parts}.isdisjoint(WORDS[meaning].casefold().split())
+
+    meaning = ""
+    if says("t", words[0], words[-1]):
         meaning = "t"
-    elif len(words) == 1 and words[0] in _WORDS["frame"]:
+    elif len(words) == 1 and says("frame", *words):
         meaning = "frame"
+    elif found and not (says("rate", *words) or re.match("[vapl]_", name)):
+        meaning = found[1]  # v_x and a_x are Tracker's rates
     return Column(place, cell, meaning, match[1] if match else None)
 
 
@@ -138,41 +120,42 @@ def read_track_file(path: Path, unit: str | None = None) -> tuple[Floats, list[s
     """
     if unit is not None:
         check_choice("unit", unit, tuple(LENGTH_UNITS))
-    table, columns = read_table(path, _columns, NEEDED)
-    time, x = columns[:2]
+    needed = "t_s,x_m,y_m, or as in Time (ms);Trajectory 1/X (cm);Trajectory 1/Y (cm)"
+    length_advice = (
+        "which is no length; set the scale and export again (Tracker: Track > New > Calibration "
+        "Tools; Kinovea: draw a line of known length, right-click it, Calibrate); units that are "
+        f"read: {', '.join(LENGTH_UNITS)}"
+    )
+    table, columns = read_table(path, _columns, needed)
+    time, *places = columns
+    rows = []
+    for line, cells in table.rows:
+        texts = [cells[column.place] for column in columns if column.place < len(cells)]
+        if len(texts) == len(columns) and EMPTY_CELLS.isdisjoint(texts):
+            numbers = [_number(table, line, *cell) for cell in zip(texts, columns, strict=True)]
+            rows.append(numbers)
+    track = np.zeros((len(rows), 3))
     with located(str(path)):
         if time.meaning == "frame":
             raise BadInput(f"{time.name} is no time in seconds but in frames; {TIME_ADVICE}")
         factors = [time.factor(TIME_UNITS, TIME_ADVICE) or 1.0]
-        lengths = [column.factor(LENGTH_UNITS, LENGTH_ADVICE) for column in columns[1:]]
-        if unit is None and None in lengths:
-            raise BadInput(
-                f"its lengths have no unit ({x.name}); say it, by --unit or behind the file's name "
-                f"at the prompt: one of {', '.join(LENGTH_UNITS)}"
-            )
-        factors += [length or LENGTH_UNITS[unit or "m"] for length in lengths]
-    rows = []
-    width = 1 + max(column.place for column in columns)
-    for line, cells in table.rows:
-        texts = [cells[column.place] for column in columns] if len(cells) >= width else [""]
-        if EMPTY_CELLS.isdisjoint(texts):
-            numbers = [_number(table, line, *cell) for cell in zip(texts, columns, strict=True)]
-            rows.append(numbers)
-    track = np.zeros((len(rows), 3))
-    track[:, : len(columns)] = np.reshape(rows, (-1, len(columns))) * factors
-    with located(str(path)):
-        if len(track) < MIN_PLACES:
-            raise BadInput(
-                f"{count_text(len(track), 'place')} in it; is it a track of time, x and y?"
-            )
+        for column in places:
+            factor = column.factor(LENGTH_UNITS, length_advice) or LENGTH_UNITS.get(unit or "")
+            if factor is None:
+                raise BadInput(
+                    f"its lengths have no unit ({column.name}); say it, by --unit or behind the "
+                    f"file's name at the prompt: one of {', '.join(LENGTH_UNITS)}"
+                )
+            factors.append(factor)
+        track[:, : len(columns)] = np.reshape(rows, (-1, len(columns))) * factors
         _check_times(track[:, 0], time)
-        track = track[np.concatenate([[True], np.diff(track[:, 0]) != 0.0])]
     notes = []
     if sum(_column(0, cell).meaning == "x" for cell in table.head) > 1:
-        notes.append(f"{path.name}: the first point, {x.name}, is taken; the others are left out")
-    if columns[2:] == []:
+        first = places[0].name
+        notes.append(f"{path.name}: the first point, {first}, is taken; the others are left out")
+    if len(places) == 1:
         notes.append(f"{path.name}: no column y; the track is taken as straight along x")
-    return track, notes
+    return track[np.diff(track[:, 0], prepend=-np.inf) != 0.0], notes
 
 
 def _number(table: TextTable, line: int, text: str, column: Column) -> float:
@@ -187,11 +170,16 @@ def _number(table: TextTable, line: int, text: str, column: Column) -> float:
 
 def _check_times(t: Floats, column: Column) -> None:
     """Raise BadInput where times cannot be seconds, or what their unit says."""
+    min_places = 3
+    if len(t) < min_places:
+        raise BadInput(f"{count_text(len(t), 'place')} in it; is it a track of time, x and y?")
     steps = np.diff(t)
     if not (steps > 0.0).any() or (steps < 0.0).any():
         raise BadInput(f"the times in {column.name} do not rise; {TIME_ADVICE}")
     rate_hz = 1 / float(np.median(steps[steps > 0.0]))
-    if rate_hz > MAX_RATE_HZ or (column.unit is None and rate_hz < MIN_RATE_HZ):
+    # No camera of a phone takes more, no film of a push without unit has fewer pictures a second.
+    max_hz, min_hz = 2000.0, 2.0
+    if rate_hz > max_hz or (column.unit is None and rate_hz < min_hz):
         raise BadInput(
             f"{column.name} says {rate_hz:.2g} pictures a second: its unit is wrong; {TIME_ADVICE}"
         )

@@ -16,15 +16,7 @@ from ..session.track import Floats, chord_places, curved_path
 
 PIECE_S = 0.15  # time over which a speed is taken: four intervals of 30 pictures a second
 REST_S = 0.4  # rest that counts, which tells where the robot stopped
-REST_SHARE = 0.03  # share of the greatest speed below which the robot rests
-MOVES_M_S = 0.05  # speed above which something moves
-MIN_WAY_M, MIN_TIME_S, MIN_PLACES = 0.2, 0.4, 8  # smallest push worth fitting
-PUSH_M = 0.02  # shortest way of a push
-TOUCHED_M = 0.03  # distance from where the robot rests, m, to which it did not get by itself
-# Turns of a path. A robot that slips down the floor's slope turns by itself: the fit knows it.
-MAX_TURN_RAD, MAX_SLIP_RAD = math.radians(10.0), math.radians(30.0)
-MAX_ROUGHNESS = 2.5  # scatter about the law of rolling over that between neighbours
-MAX_STOP_SHARE = 0.25  # share of the first speed left at the end where something stopped it
+MIN_TIME_S = 0.4  # shortest push worth fitting
 
 
 class Look(NamedTuple):
@@ -42,17 +34,17 @@ class Look(NamedTuple):
 def pushes_in(track: Floats) -> list[Floats]:
     """Return the pieces of a track that hold a push each, with the rest about them.
 
-    A push is a stretch faster than MOVES_M_S that ends PUSH_M at least from where it began; those
-    with no rest between are one. So the scatter of a robot at rest is none. Carrying the robot back
-    is one, and is left out by what `look_at` says of it, or by hand.
+    A push is a stretch in which the robot moves, and which ends at some distance from where it
+    began; those with no rest between are one. So the scatter of a robot at rest is none. Carrying
+    the robot back is one, and is left out by what `look_at` says of it, or by hand.
     """
-    t = track[:, 0]
-    fast = np.flatnonzero(speeds(track) > MOVES_M_S)
+    t, min_speed_m_s, min_distance_m = track[:, 0], 0.05, 0.02
+    fast = np.flatnonzero(speeds(track) > min_speed_m_s)
     rests = (np.diff(fast) > 1) & (np.diff(t[fast]) >= REST_S / 2)
     spans_s = list[tuple[float, float]]()
     for places in np.split(fast, np.flatnonzero(rests) + 1) if len(fast) else ():
         (begin_s, *begin_m), (end_s, *end_m) = track[places[0]], track[places[-1]]
-        if math.dist(begin_m, end_m) > PUSH_M and end_s - begin_s > MIN_TIME_S / 2:
+        if math.dist(begin_m, end_m) > min_distance_m and end_s - begin_s > MIN_TIME_S / 2:
             spans_s.append((begin_s, end_s))
     ends_s = [-math.inf, *(end for _, end in spans_s)]
     begins_s = [*(begin for begin, _ in spans_s[1:]), math.inf]
@@ -73,10 +65,11 @@ def look_at(track: Floats, slips: bool) -> Look:
     fingers_s = 0.07  # time from the fastest moment until the fingers are gone
     start = int(np.searchsorted(t, t[peak] + fingers_s)) if peak else 0
     stop, end = _stop_of(track, speed, peak)
-    if stop - start + 1 < MIN_PLACES:
+    places_count, min_places, min_way_m = max(stop - start + 1, 0), 8, 0.2
+    if places_count < min_places:
         raise BadInput(
-            f"only {max(stop - start + 1, 0)} places between the hand and rest; {MIN_PLACES} at "
-            "least: film until the robot rests, and push harder"
+            f"only {places_count} places between the hand and rest; {min_places} at least: film "
+            "until the robot rests, and push harder"
         )
     along_m, left_m, _ = chord_places(*places[start : stop + 1].T)
     way, direction_rad = curved_path(along_m, left_m, sigma_m=0.001)
@@ -93,22 +86,25 @@ def look_at(track: Floats, slips: bool) -> Look:
     correlation = float(error[1:] @ error[:-1] / max(float(error @ error), 1e-30))
     chance = 1 / math.sqrt(len(error))  # correlation of errors that are independent
     correlation = min(max(correlation - chance, 0.0), 0.8)
-    way_m, rough = float(way[-1]), sigma_m / max(noise_m, 1e-4) > MAX_ROUGHNESS
-    first_m_s = float(law[1])
+    max_roughness = 2.5  # scatter about the law of rolling over that between neighbours
+    way_m, rough = float(way[-1]), sigma_m / max(noise_m, 1e-4) > max_roughness
+    first_m_s, max_stop_share = float(law[1]), 0.25  # more speed is left where something stops it
+    # A robot that slips down the floor's slope turns by itself: the fit knows it.
+    max_turn_deg = 30.0 if slips else 10.0
     last_m_s = first_m_s - law[2] * way_m - law[3] * time[-1]
     if unlikely := unlikely_push(first_m_s, way_m):
         raise BadInput(f"{unlikely}; is its unit right?")
     doubts = {
         "the track ends before the robot rests: film on until it does": stop >= len(t) - 1,
-        f"it rolled {way_m:.2f} m in {time[-1]:.2f} s only: push harder, {MIN_WAY_M} m at least": (
-            way_m < MIN_WAY_M or time[-1] < MIN_TIME_S
+        f"it rolled {way_m:.2f} m in {time[-1]:.2f} s only: push harder, {min_way_m} m at least": (
+            way_m < min_way_m or time[-1] < MIN_TIME_S
         ),
         f"it turned by {math.degrees(turned_rad):+.0f} degrees while it rolled: it slipped "
         "sideways; push straighter, or align the links": (
-            abs(turned_rad) > (MAX_SLIP_RAD if slips else MAX_TURN_RAD)
+            abs(math.degrees(turned_rad)) > max_turn_deg
         ),
         "it did not roll out evenly: did it hit something, was it touched, or do wheels wobble?": (
-            rough or last_m_s > MAX_STOP_SHARE * first_m_s
+            rough or last_m_s > max_stop_share * first_m_s
         ),
     }
     cells = {
@@ -137,13 +133,14 @@ def _stop_of(track: Floats, speed: Floats, peak: int) -> tuple[int, int]:
 
     The rest ends where the robot is touched again. Both are the track's end where there is none.
     """
-    t = track[:, 0]
-    slow = np.flatnonzero(speed[peak:] < max(REST_SHARE * speed[peak], 0.01))
+    # Rest: the speed is below this share of the greatest. By itself nothing goes so far from there.
+    t, rest_share, touched_m = track[:, 0], 0.03, 0.03
+    slow = np.flatnonzero(speed[peak:] < max(rest_share * speed[peak], 0.01))
     if not len(slow):
         return len(t) - 1, len(t) - 1
     # the rest begins with the first piece that is slow; a later one would hide a wall
     stop = int(np.searchsorted(t, t[peak + slow[0]] - PIECE_S / 2))
     moved_m = np.hypot(*(track[stop:, 1:] - track[stop, 1:]).T)
-    touched_s = np.min(t[stop:][moved_m > TOUCHED_M], initial=np.inf)
+    touched_s = np.min(t[stop:][moved_m > touched_m], initial=np.inf)
     end_s = min(t[stop] + REST_S, touched_s - PIECE_S)
     return stop, max(int(np.searchsorted(t, end_s, side="right")) - 1, stop)
