@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TypeVar
 
 from ..base.checks import count_text
 from ..base.errors import BadInput
-from ..session.declaration import Field, Values
+from ..session.declaration import Field, Range, Values
 from ..session.journal import Journal
 from .parse_number import bare_unit, doubt_in_words, first_number
 from .session_robot import SessionRobot
-from .steps import Doubts
 from .terminal import PATIENCE_S, Console
 
 WORDS = "At every prompt: undo, skip, pause, quit, help."
@@ -122,22 +121,30 @@ class Asker:
             raise BadInput(f"{line!r} is too much; {count_text(len(fields), 'number')} will do")
         return values
 
-    def sure(self, values: Values, doubts: Callable[[Values], Doubts]) -> Values:
-        """Return values once each number is where it is expected, or kept by the person."""
-        sure = set[str]()
-        while True:
-            doubtful = [doubt for doubt in doubts(values) if doubt[0].column not in sure]
-            if not doubtful:
-                return values
-            field, likely = doubtful[0]
-            doubt = doubt_in_words(float(values[field.column]), field, likely)
-            answer = self.ask(f"  {doubt}. Type it anew, or keep: ")
-            if answer.lower() == "keep":
-                sure.add(field.column)
-            elif answer:
-                values = values | self.numbers([field], answer)
-            else:
-                self._answers.pop()  # Enter keeps nothing that is in doubt
+    def sure(
+        self,
+        fields: Sequence[Field],
+        values: Values,
+        expected: Callable[[Values], Mapping[str, Range | None]],
+    ) -> Values:
+        """Return values once each number is where it is expected, or confirmed by the person.
+
+        expected: returns the ranges that the fields' numbers are expected in, by their columns.
+        """
+        for field in fields:
+            while (span := expected(values)[field.column]) and field.column in values:
+                number = float(values[field.column])
+                if span[0] <= number <= span[1]:
+                    break
+                doubt = doubt_in_words(number, field, span)
+                answer = self.ask(f"  {doubt}. Type it anew, or keep: ")
+                if answer.lower() == "keep":
+                    break
+                if answer:
+                    values = values | self.numbers([field], answer)
+                else:
+                    self._answers.pop()  # Enter keeps nothing that is in doubt
+        return values
 
     def _obey(self, line: str, usual: str) -> str | None:
         """Return the answer that a line is, None for a word that was obeyed and goes on."""

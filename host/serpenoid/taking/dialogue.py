@@ -14,7 +14,7 @@ from ..session.journal import Journal
 from ..session.session import Session
 from .asking import WORDS, Asker, Quit, Restart, Skip, Undo
 from .films import FilmReader, named_file, no_films, push_in_words, take_track
-from .procedure import doubts, next_step
+from .procedure import expected_ranges, next_step
 from .session_robot import SessionRobot
 from .steps import Step, Tracked, record_step
 from .terminal import Console
@@ -25,14 +25,6 @@ FILE_WORDS = {  # prompts of steps that a file answers, too
     "from the hand to rest",
     "gait": "its film; or time (s) and distance between the marks (m)",
 }
-ROBOT_WORDS = (
-    "Left and right keys bend every joint a little, at every prompt: where the robot turns, steer "
-    "against it; each reading keeps the offset. Esc or space stops it, Ctrl-C stops it and leaves."
-)
-STEERING_WORDS = (
-    "Incline as for the first station, and raise the belt until the robot nearly holds its place: "
-    "on a level belt it is carried off. Steer until it runs straight by itself."
-)
 QUIT_WORDS = "Left. Everything read so far is kept; the same command goes on from here."
 
 
@@ -64,7 +56,11 @@ class Dialogue:
         self._say(WORDS)
         try:
             if self._robot is not None:
-                self._say(ROBOT_WORDS)
+                self._say(
+                    "Left and right keys bend every joint a little, at every prompt: where the "
+                    "robot turns, steer against it; each reading keeps the offset. Esc or space "
+                    "stops it, Ctrl-C stops it and leaves."
+                )
             while self._take_step():
                 pass
         except (Quit, EOFError):
@@ -151,7 +147,11 @@ class Dialogue:
             robot.pose(step.lambda_deg, session.setup.plan.bend)
             on_belt = session.setup.plan.on == "treadmill" and step.kind == "straight"
             if on_belt and steering_rad(session) is None:
-                self._say(STEERING_WORDS)
+                self._say(
+                    "Incline as for the first station, and raise the belt until the robot nearly "
+                    "holds its place: on a level belt it is carried off. Steer until it runs "
+                    "straight by itself."
+                )
                 with suppress(Skip):
                     self._asker.confirm("Enter keeps the steering: ")
         elif step.kind == "straight":
@@ -174,7 +174,8 @@ class Dialogue:
         if not isinstance(values, Tracked):
             if step.kind in ("station", "push"):
                 values |= self._steering()
-            values = self._asker.sure(values, partial(doubts, self.journal.session, step))
+            expected = partial(expected_ranges, self.journal.session, step)
+            values = self._asker.sure(step.fields, values, expected)
         while True:
             try:
                 return record_step(self.journal, step, values)

@@ -12,7 +12,6 @@ from ..base.errors import BadInput
 from ..base.files import write_text
 from ..model.bends import MIN_LINKS
 from ..model.gait import Gait
-from ..session.declaration import Values
 from ..session.folder import EVENT_COLUMNS, READING_COLUMNS, read_session
 from ..session.journal import PROGRAM, csv_line, utc_now
 from ..session.settings import (
@@ -26,45 +25,33 @@ from ..session.settings import (
 )
 from .asking import Asker, Skip, Undo
 from .parse_number import bare_unit
-from .steps import Doubts
 
-NOT_SAID, LATER = "not said", "later"  # answers of people; what is measured later stays empty
-ROBOT = ("surface", "links", "joint_sigma_deg", "mass_kg", "link_length_m", "supply_v")
-QUESTIONS = {  # keys of session.toml that `calibrate new` asks for at a place
+LATER = "later"  # answer of people; what is measured later stays empty
+QUESTIONS = {  # keys of session.toml that `calibrate new` asks for everywhere, then at a place
+    "": ("surface", "links", "link_length_m", "joint_sigma_deg", "mass_kg", "supply_v"),
     "treadmill": (
-        *ROBOT,
         "incline_sigma_deg",
         "incline_step_percent",
         "belt_speed_unit",
         "belt_speed_step_m_s",
-        "belt_speed_least_m_s",
     ),
-    "floor": (*ROBOT, "wheels_kg"),
+    "floor": ("wheels_kg",),
 }
 SIGMAS_OF_STEP = math.sqrt(12)  # the smallest step of an instrument over its standard deviation
 # Zeros of phones and cheap inclinometers are 0.3 to 0.5 deg off. With 0.1 deg assumed, the interval
 # of ft0 missed the truth in 40 of 40 sessions of the virtual lab, with 0.5 deg in none.
 ASSUMED_ZERO_SIGMA_DEG = 0.5
-# A reading of the belt's speed errs by the display's rounding, and as much by the drift that a
-# person reads off.
-DRIFT_SIGMA_M_S = 0.008
-PUSHES = 8  # pushes on a floor in each bend
-# On a floor: away from the cliff, far from each other, and little moved by a slope. All planned
-# gaits are such that a typical hobby servo follows them at 4.8 V.
-CRAWLS = (
-    Gait.degrees(70, 60, hertz=0.6),
-    Gait.degrees(80, 75, hertz=0.45),
-)
 
 
 def default_setup(name: str) -> Setup:
     """Return the set-up that is proposed: the 2005 robot, a home treadmill, bends to 30 degrees."""
     gaits = tuple(Gait.degrees(70, 75, hertz=hz) for hz in (0.25, 0.4, 0.6))
+    unsaid = "not said"
     return Setup(
         name,
         Provenance(kind="measured", source="taken with `serpenoid calibrate`", note="none"),
         RobotTable(links=6, mass_kg=6 * ASSUMED_LINK_KG, link_length_m=0.076),
-        Laboratory(surface=NOT_SAID, place=NOT_SAID, people=NOT_SAID, gravity_m_s2=9.80665),
+        Laboratory(surface=unsaid, place=unsaid, people=unsaid, gravity_m_s2=9.80665),
         Instruments(
             incline_sigma_deg=0.03,
             incline_zero_sigma_deg=ASSUMED_ZERO_SIGMA_DEG,
@@ -83,22 +70,20 @@ def default_setup(name: str) -> Setup:
             gaits=gaits,
             bend="balanced",
             push_lambda_deg=(0.0, 20.0, 42.0),  # twice 42 leaves 6 deg to trims, steering
-            pushes=PUSHES,
         ),
     )
 
 
-def ask_answers(
-    asker: Asker, setup: Setup, options: Mapping[str, Any], place: str
-) -> dict[str, Any]:
-    """Return the options of `calibrate new` with those that a person types; raises Quit."""
+def ask_setup(asker: Asker, setup: Setup, options: Mapping[str, Any], place: str) -> Setup:
+    """Return a set-up with options of `calibrate new` and a person's answers; raises Quit."""
 
-    def fill() -> dict[str, Any]:
-        answers = dict(options)
-        for key in QUESTIONS[place]:
-            if answers.get(key) is None:
-                answers[key] = _answer(asker, setup, key)
-        return answers
+    def fill() -> Setup:
+        filled = answered(setup, options)
+        for key in QUESTIONS[""] + QUESTIONS[place]:
+            if options.get(key) is None:
+                filled = answered(filled, {key: _answer(asker, filled, key)})
+                asker.belt_unit = filled.instruments.belt_speed_unit
+        return filled
 
     while True:
         try:
@@ -113,9 +98,7 @@ def _answer(asker: Asker, setup: Setup, key: str) -> Any:
     field, usual = table.declared[key], getattr(table, key)
     if not field.is_number:
         usual = "km/h" if field.choices else usual
-        word = field.check(asker.ask(f"{field.words} [{usual}]: ", usual))
-        asker.belt_unit = word if field.choices else ""
-        return word
+        return field.check(asker.ask(f"{field.words} [{usual}]: ", usual))
     if key == "incline_sigma_deg":
         usual *= SIGMAS_OF_STEP
     unit = bare_unit(field, asker.belt_unit)
@@ -123,13 +106,9 @@ def _answer(asker: Asker, setup: Setup, key: str) -> Any:
     text = asker.ask(f"{field.words} [{shown}]: ", shown)
     if field.optional and text.lower() == LATER:
         return ""
-    likely = field.likely or (field.low, field.high)
-
-    def doubts(values: Values) -> Doubts:
-        return [] if likely[0] <= float(values[key]) <= likely[1] else [(field, likely)]
-
+    values = asker.numbers([field], text)
     try:
-        value = float(asker.sure(asker.numbers([field], text), doubts)[key])
+        value = float(asker.sure([field], values, lambda _: {key: field.likely})[key])
     except Skip as error:
         raise BadInput("a number in doubt cannot be left out; type it anew, or keep it") from error
     if key == "incline_sigma_deg":
@@ -138,10 +117,15 @@ def _answer(asker: Asker, setup: Setup, key: str) -> Any:
 
 
 def on_place(plan: Plan, place: str) -> Plan:
-    """Return a plan to be carried out at a place; on a floor with crawls of its own."""
+    """Return a plan to be carried out at a place; on a floor with gaits of its own.
+
+    These are away from the sharp drop of speed, far from each other, and little moved by a slope.
+    A typical hobby servo follows all planned gaits at 4.8 V.
+    """
     if place != "floor":
         return replace(plan, on=place)
-    return replace(plan, on=place, gaits=CRAWLS)
+    gaits = Gait.degrees(70, 60, hertz=0.6), Gait.degrees(80, 75, hertz=0.45)
+    return replace(plan, on=place, gaits=gaits)
 
 
 def answered(setup: Setup, answers: Mapping[str, Any]) -> Setup:
@@ -151,15 +135,19 @@ def answered(setup: Setup, answers: Mapping[str, Any]) -> Setup:
     """
     values = {key: value for key, value in answers.items() if value is not None}
     if "belt_speed_step_m_s" in values:
+        # A reading errs by the display's rounding, and as much by the drift that a person reads.
         rounding_m_s = values["belt_speed_step_m_s"] / SIGMAS_OF_STEP
-        values["belt_speed_sigma_m_s"] = math.hypot(rounding_m_s, DRIFT_SIGMA_M_S)
+        values["belt_speed_sigma_m_s"] = math.hypot(rounding_m_s, 0.008)
     if values.get("links", MIN_LINKS) < MIN_LINKS:  # they have no balanced bend
         values["bend"] = "zigzag"
     tables = [
         replace(table, **{key: values[key] for key in table.declared if key in values})
         for table in setup.tables.values()
     ]
-    return Setup(setup.name, *tables)  # type: ignore[arg-type]
+    filled = Setup(setup.name, *tables)  # type: ignore[arg-type]
+    if "mass_kg" in values:
+        filled.robot_table.check_mass()
+    return filled
 
 
 def template_setup(path: str | Path | None, name: str) -> Setup:

@@ -28,7 +28,6 @@ from ..session.settings import Setup
 from ..session.station import MIN_SLIP_M_S, BeltCheck, Reading, ZeroReading
 from ..session.track import EXAMPLE
 from .steps import (
-    Doubts,
     Step,
     bend_step,
     friction_factor,
@@ -39,35 +38,7 @@ from .steps import (
     taken_in,
 )
 
-ZERO = (
-    "Inclinometer zero. Lay it on one spot of the treadmill, read it; turn it end for end on the "
-    "same spot, read it again (with the sign it shows)."
-)
-BELT = (
-    "Belt check, robot off the belt: mark the belt's edge, run it at a speed that you used much, "
-    "and time ten turns or more. The way is turns times the belt's length."
-)
-STATION = (  # words after those of the first station in a bend
-    f" Steeper, if the belt carries it off, or below {MIN_SLIP_M_S:g} m/s. Then let it settle, "
-    "and type the drift, + uphill (m/s), and by how much it turned, + to the left, as 0.01 3deg; "
-    f"or of a robot that drifts its places for some 4 s as s:m, {EXAMPLE}, or their table."
-)
-FLOOR = (
-    "On the floor, robot straight: align its links along a straightedge. Room: 2 m of level, even "
-    "floor. Film from a tripod, square to the way or from above, all of the way in the picture; or "
-    "lay a tape along it."
-)
-PUSH = (
-    "Push it along its own axis, head first, at a brisk walk (0.9 m/s; straight it then rolls some "
-    "1 m), let go within a hand's breadth, and leave it until it rests. One film may hold all "
-    "pushes of a bend, the robot turned round after each."
-)
 MAX_INCLINE_DEG = 12.0  # incline above which the snake starts to tumble, or the wheels to slide
-MAX_ZERO_DEG = 0.5  # zero above which a sign was forgotten, or the inclinometer is not one to use
-DONE_SHARE = 0.85  # share of the top speed that ends a bend, as a station beyond 1 / 0.85 would
-# Distance of a station from the line through those before it that raises a doubt: four standard
-# deviations of a usual one, m/s, and a share of its speed.
-FAR_M_S, FAR_SHARE = 0.12, 0.25
 
 
 def next_step(session: Session, posed_deg: float | None = None) -> Step:
@@ -97,6 +68,14 @@ def _parts(session: Session) -> Iterator[tuple[str, str, Step | None]]:
     plan, skipped = session.setup.plan, session.skipped
     floor, begun = plan.on == "floor", bool(session.kept_stations)
     zeros = [zero.at_start for zero in session.kept_of("zero")]
+    zero_words = (
+        "Inclinometer zero. Lay it on one spot of the treadmill, read it; turn it end for end on "
+        "the same spot, read it again (with the sign it shows)."
+    )
+    belt_words = (
+        "Belt check, robot off the belt: mark the belt's edge, run it at a speed that you used "
+        "much, and time ten turns or more. The way is turns times the belt's length."
+    )
 
     def check(
         key: str, kind: type[Observation], say: str, due: bool, done: bool
@@ -106,7 +85,7 @@ def _parts(session: Session) -> Iterator[tuple[str, str, Step | None]]:
         return key, "done" if done else "open", step if due else None
 
     if not floor:
-        yield check("zero before", ZeroReading, ZERO, not begun, True in zeros)
+        yield check("zero before", ZeroReading, zero_words, not begun, True in zeros)
     for bend_deg in planned_bends(plan):
         key, count = pose_key(plan, bend_deg), len(taken_in(session, bend_deg))
         step = _push(session, bend_deg) if floor else _station(session, bend_deg)
@@ -116,8 +95,8 @@ def _parts(session: Session) -> Iterator[tuple[str, str, Step | None]]:
         state = ", more to come" if step else ", done" if done else ", the rest left out"
         yield key, amount + state, step
     if not floor:
-        yield check("zero after", ZeroReading, ZERO, begun, False in zeros)
-        yield check("belt check", BeltCheck, BELT, begun, bool(belt_checks(session)))
+        yield check("zero after", ZeroReading, zero_words, begun, False in zeros)
+        yield check("belt check", BeltCheck, belt_words, begun, bool(belt_checks(session)))
     runs = f"{len(session.kept_crawls)} of {len(plan.gaits) * plan.gait_runs}"
     yield "gait runs", runs, _gait_run(session)
 
@@ -127,8 +106,13 @@ def _pose(setup: Setup, bend_deg: float) -> Step:
     key = pose_key(setup.plan, bend_deg)
     if bend_deg:
         return bend_step(key, setup, bend_deg)
-    belt = "Robot straight, on the belt, head downhill, the belt running uphill."
-    return Step(key, "straight", FLOOR if setup.plan.on == "floor" else belt)
+    belt_words = "Robot straight, on the belt, head downhill, the belt running uphill."
+    floor_words = (
+        "On the floor, robot straight: align its links along a straightedge. Room: 2 m of level, "
+        "even floor. Film from a tripod, square to the way or from above, all of the way in the "
+        "picture; or lay a tape along it."
+    )
+    return Step(key, "straight", floor_words if setup.plan.on == "floor" else belt_words)
 
 
 def _push(session: Session, bend_deg: float) -> Step | None:
@@ -141,7 +125,12 @@ def _push(session: Session, bend_deg: float) -> Step | None:
         return None
     forward = sum(push.way == "there" for push in done)
     way = WAYS[2 * forward > len(done)]
-    how = "Turn the robot round first." if done else PUSH
+    push_words = (
+        "Push it along its own axis, head first, at a brisk walk (0.9 m/s; straight it then rolls "
+        "some 1 m), let go within a hand's breadth, and leave it until it rests. One film may hold "
+        "all pushes of a bend, the robot turned round after each."
+    )
+    how = "Turn the robot round first." if done else push_words
     say = f"{to_come[0].capitalize()}, {way.upper()}. {how}"
     fields = Push.questions("distance_m", "duration_s", "turned_deg")
     return Step(to_come[0], "push", say, fields, bend_deg, cells={"way": way})
@@ -177,7 +166,8 @@ def next_incline_deg(session: Session, bend_deg: float) -> float | None:
         sine = (fastest_m_s + top_m_s / 5 - offset_m_s) / slope
         next_deg = max(next_deg, math.degrees(math.asin(min(max(sine, 0.0), 1.0))))
         next_m_s = slope * math.sin(math.radians(next_deg)) + offset_m_s
-    done = max(fastest_m_s, DONE_SHARE**2 * next_m_s) > DONE_SHARE * top_m_s
+    done_share = 0.85  # share of the top speed that ends a bend, as a station beyond 1 / 0.85 would
+    done = max(fastest_m_s, done_share**2 * next_m_s) > done_share * top_m_s
     return None if done or next_deg > MAX_INCLINE_DEG else round(next_deg, 3)
 
 
@@ -206,12 +196,13 @@ def expected_speed(session: Session, bend_deg: float, incline_deg: float) -> Ran
     if line is None:
         return None
     speed_m_s = line[0] * math.sin(math.radians(incline_deg)) + line[1]
-    far_m_s = FAR_M_S + FAR_SHARE * abs(speed_m_s)
+    # Four standard deviations of a usual station, and a share of its speed.
+    far_m_s = 0.12 + 0.25 * abs(speed_m_s)
     return max(speed_m_s - far_m_s, MIN_SLIP_M_S), speed_m_s + far_m_s
 
 
-def doubts(session: Session, step: Step, cells: Cells) -> Doubts:
-    """Return the fields whose numbers are not where they were expected, and where that is.
+def expected_ranges(session: Session, step: Step, cells: Cells) -> dict[str, Range | None]:
+    """Return the ranges that the numbers of a step are expected in, by columns; None: anywhere.
 
     A station's belt speed is judged at the incline that was typed, with the drift taken off.
     """
@@ -223,14 +214,10 @@ def doubts(session: Session, step: Step, cells: Cells) -> Doubts:
         drift_m_s = float(cells.get("drift_m_s", 0.0))
         likely["belt_speed_m_s"] = low + drift_m_s, high + drift_m_s
     if step.kind == "zero":  # turned end for end it shows the same with the other sign
-        other_deg = -float(cells["incline_deg"])
-        likely["reversed_deg"] = other_deg - 2 * MAX_ZERO_DEG, other_deg + 2 * MAX_ZERO_DEG
-    doubtful: Doubts = []
-    for field in step.fields:
-        span = likely[field.column]
-        if span and not span[0] <= float(cells.get(field.column, span[0])) <= span[1]:
-            doubtful.append((field, span))
-    return doubtful
+        # Beyond a zero of 0.5 deg a sign was forgotten, or the inclinometer is not one to use.
+        other_deg, max_zero_deg = -float(cells["incline_deg"]), 0.5
+        likely["reversed_deg"] = other_deg - 2 * max_zero_deg, other_deg + 2 * max_zero_deg
+    return likely
 
 
 def _station(session: Session, bend_deg: float) -> Step | None:
@@ -249,8 +236,15 @@ def _station(session: Session, bend_deg: float) -> Step | None:
     say = (
         f"Incline to about {incline_deg:.1f} deg "
         f"({100 * math.tan(math.radians(incline_deg)):.1f} %). Raise the belt until the robot "
-        f"holds its place{hint}, or nearly.{STATION * first}"
+        f"holds its place{hint}, or nearly."
     )
+    if first:
+        say += (
+            f" Steeper, if the belt carries it off, or below {MIN_SLIP_M_S:g} m/s. Then let it "
+            "settle, and type the drift, + uphill (m/s), and by how much it turned, + to the left, "
+            "as 0.01 3deg; or of a robot that drifts its places for some 4 s as s:m, "
+            f"{EXAMPLE}, or their table."
+        )
     # A misread first station leads its whole bend astray: straight, a far one is asked about.
     far_deg = 2 * plan.incline_step_deg
     high_deg = MAX_INCLINE_DEG if first and bend_deg else incline_deg + far_deg
@@ -282,10 +276,15 @@ def _gait_run(session: Session) -> Step | None:
         if plan.on == "floor":
             way = WAYS[runs % 2]
             where = f"along the line of the pushes, {way.upper()}"
+        duration, distance = GaitRun.questions("duration_s", "distance_m")
+        timed, marks = [run.distance_m for run in session.kept_of("gait")], "two marks"
+        if timed and timed[-1]:
+            distance = replace(distance, usual=timed[-1])
+            marks = f"the marks, {timed[-1]:g} m apart as before unless you type it"
         say = (
             f"Gait run {runs + 1} of {plan.gait_runs}, {where}, of the same surface: "
             f"{gait_name(gait)}. Once it goes steadily, film it from above for two cycles at "
-            "least, or time it between two marks. "
+            f"least, or time it between {marks}. "
             f"{too_fast_text(gait, driving(session.setup, HOBBY))}"
         ).rstrip()
         cells: Values = {
@@ -294,6 +293,5 @@ def _gait_run(session: Session) -> Step | None:
             "omega_rad_s": gait.omega_rad_s,
             "way": way,
         }
-        fields = GaitRun.questions("duration_s", "distance_m")
-        return Step(key, "gait", say, fields, gait=gait, cells=cells)
+        return Step(key, "gait", say, (duration, distance), gait=gait, cells=cells)
     return None

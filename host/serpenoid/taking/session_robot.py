@@ -62,8 +62,8 @@ class SessionRobot:
     def without_pulses(self) -> str:
         """Return in words what the servos do once idle() has ended their pulses."""
         limp = 1.0  # value of the board's setting of servos that were seen to go limp
-        off = self._released == limp
-        return "servos off" if off else f"pulses off ({RELEASED[self._released]})"
+        is_limp = self._released == limp
+        return "servos off" if is_limp else f"pulses off ({RELEASED[self._released]})"
 
     def pose(self, bend_deg: float, bend: str = "balanced") -> None:
         """Bend the robot, balanced or as a zigzag; straight at 0."""

@@ -10,15 +10,13 @@ import numpy as np
 
 from ..model.bends import balanced_signs, joint_multiples
 from ..model.gait import Gait
-from ..session.declaration import Cells, Field, Range, Values
+from ..session.declaration import Cells, Field, Values
 from ..session.folder import KINDS
 from ..session.journal import Journal
 from ..session.session import Session
 from ..session.settings import Plan, Setup
 from ..session.station import BendCheck
 from ..session.track import Samples
-
-Doubts = list[tuple[Field, Range]]  # numbers that are outside the range that was expected
 
 
 class Tracked(dict[str, "float | str"]):

@@ -75,7 +75,7 @@ def _column(place: int, cell: str) -> Column:
     name = (cell[: match.start()] if match else cell).casefold()
     words = re.findall(r"[^\s/_.,:;#|()-]+", name) or [""]
     axis = re.compile(r"(?:pos|position|coord)?([xy])(?:pos|position|coord)?\d*").fullmatch
-    found = axis(words[-1]) or axis(words[0])
+    match_axis = axis(words[-1]) or axis(words[0])
 
     def says(meaning: str, *parts: str) -> bool:
         return not {*parts}.isdisjoint(WORDS[meaning].casefold().split())
@@ -85,8 +85,8 @@ def _column(place: int, cell: str) -> Column:
         meaning = "t"
     elif len(words) == 1 and says("frame", *words):
         meaning = "frame"
-    elif found and not (says("rate", *words) or re.match("[vapl]_", name)):
-        meaning = found[1]  # v_x and a_x are Tracker's rates
+    elif match_axis and not (says("rate", *words) or re.match("[vapl]_", name)):
+        meaning = match_axis[1]  # v_x and a_x are Tracker's rates
     return Column(place, cell, meaning, match[1] if match else None)
 
 

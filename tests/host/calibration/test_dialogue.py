@@ -84,11 +84,11 @@ def lines_of(reading):
         ]
     if reading.kind == "belt":
         return [f"{reading.belt_speed_m_s} m/s", f"{reading.distance_m}", f"{reading.duration_s}"]
-    return ["", f"{reading.duration_s} {reading.distance_m}"]
+    return ["", f"{reading.duration_s}"]
 
 
 def test_a_treadmill_takes_at_most_ninety_answers(folder, tmp_path):
-    """What a simulated person read is typed again by one with a robot."""
+    """What a simulated person read is typed again by one with a robot, a number a line."""
     script = tmp_path / "person.toml"
     script.write_text("[simulated]\nseed = 3\nct = 0.084\ncn = 1.2\nft0 = 0.14\nfn0 = 0.27\n")
     other = create_session(tmp_path / "other", default_setup("other"))
@@ -100,10 +100,15 @@ def test_a_treadmill_takes_at_most_ninety_answers(folder, tmp_path):
         lines += lines_of(reading)
         if len(lines) == 2:
             lines += ["", ""]  # straight, and steered
+        if reading == session.kept_gait_runs[0]:
+            lines += [f"{reading.distance_m}"]  # the marks then stay where they are
     with SessionRobot("virtual:fast") as robot:
         heard, again = talk(folder, *lines, robot=robot)
     assert heard.endswith("nothing of the plan is left to take\n"), heard
     assert len(again.kept_stations) == len(session.kept_stations)
+    assert {run.distance_m for run in again.kept_gait_runs} == {
+        session.kept_gait_runs[0].distance_m
+    }
     assert len(lines) <= 90
 
 

@@ -55,6 +55,7 @@ def test_the_end_of_the_input_leaves_the_session_whole(folder):
 def test_a_new_session_asks_what_it_needs(tmp_path):
     with Person(f"calibrate new {tmp_path}/asked") as person:
         person.answers("what the wheels roll on", "rubber belt\n\n")
+        person.answers("length of a link", "80 mm\n")
         person.answers("joints: each is off straight by", "1.5\n")
         person.answers("mass of the whole robot", "heavy\n")
         person.answers(
@@ -62,12 +63,12 @@ def test_a_new_session_asks_what_it_needs(tmp_path):
         )
         person.answers("as it crawls: 760 kg; expected 0.02 to 20 kg", "undo\n")
         person.answers("mass of the whole robot", "480\n")
-        person.answers("480 kg; expected 0.02 to 20 kg", "480 g\n")
-        person.answers("length of a link", "80 mm\n")
+        person.answers("480 kg; expected 0.02 to 20 kg", "keep\n")
+        person.answers("heavier than solid metal", "480 g\n")
         person.answers("voltage at their plug", "5,2 V\n\n")
         person.answers("smallest step of its incline", "0,5 deg\n")
         person.answers("unit of the belt's speed", "mph\n")
-        person.answers("smallest step it can be set to", "0.1\n1 km/h\n")
+        person.answers("smallest step it can be set to", "0.1\n")
         person.sees("begun:")
         assert person.leaves() == 0
     setup = read_session(tmp_path / "asked").setup
@@ -84,10 +85,10 @@ def test_a_new_session_asks_what_it_needs(tmp_path):
 
 def test_enter_at_the_mass_weighs_nothing_and_undo_asks_again(tmp_path):
     with Person(f"calibrate new {tmp_path}/asked") as person:
-        person.answers("what the wheels roll on", "belr\nundo\nbelt\n7\nundo\n6\nskip\n")
+        person.answers("what the wheels roll on", "belr\nundo\nbelt\n7\nundo\n6\n\nskip\n")
         person.answers(
             "mass of the whole robot as it crawls (kg, or 480 g; later) [later]",
-            "help\n" + 8 * "\n",
+            "help\n" + 6 * "\n",
         )
         person.sees("begun:")
         assert person.leaves() == 0
@@ -101,7 +102,7 @@ def test_enter_at_the_mass_weighs_nothing_and_undo_asks_again(tmp_path):
 def test_a_new_session_has_an_answer_to_words_that_take_nothing_back(tmp_path):
     with Person(f"calibrate new {tmp_path}/asked") as person:
         person.answers("what the wheels roll on", "undo\n")
-        person.answers("nothing was asked before this", "belt\n" + 2 * "\n")
+        person.answers("nothing was asked before this", "belt\n" + 3 * "\n")
         person.answers("mass of the whole robot", "480\n")
         person.answers("480 kg; expected 0.02 to 20 kg", "skip\n")
         person.answers("a number in doubt cannot be left out", "quit\n")

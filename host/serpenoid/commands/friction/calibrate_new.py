@@ -45,7 +45,7 @@ def new(
     from ...taking.asking import WORDS, Asker, Quit
     from ...taking.new_session import (
         answered,
-        ask_answers,
+        ask_setup,
         create_session,
         on_place,
         refuse_existing,
@@ -55,8 +55,7 @@ def new(
 
     refuse_existing(folder)
     setup = template_setup(template, os.path.basename(os.path.abspath(folder)))
-    if answers["mass_kg"] is not None:
-        answered(setup, answers).robot_table.check_mass()
+    setup = replace(setup, plan=on_place(setup.plan, on))
     if template is None and not defaults and not (answers["surface"] and answers["mass_kg"]):
         if not sys.stdin.isatty():
             raise BadInput(
@@ -65,14 +64,15 @@ def new(
             )
         say(f"{WORDS} Enter takes what stands in brackets; units may be typed.")
         try:
-            answers = ask_answers(Asker(Console()), setup, answers, on)
+            setup = ask_setup(Asker(Console()), setup, answers, on)
         except (Quit, EOFError):
             return say("Left; nothing was written.")
-    elif template is None and answers["mass_kg"] is None and not simulated:
-        answers["mass_kg"] = ""
-    setup_answered = answered(replace(setup, plan=on_place(setup.plan, on)), answers)
+    else:
+        if template is None and answers["mass_kg"] is None and not simulated:
+            answers["mass_kg"] = ""
+        setup = answered(setup, answers)
     if simulated:
-        source = replace(setup_answered.provenance, kind="simulated", source=f"simulated {on}")
-        setup_answered = replace(setup_answered, provenance=source)
-    create_session(folder, setup_answered)
+        source = replace(setup.provenance, kind="simulated", source=f"simulated {on}")
+        setup = replace(setup, provenance=source)
+    create_session(folder, setup)
     return say(f"begun: {folder / 'session.toml'}; go on with `serpenoid calibrate {folder}`")
