@@ -1,4 +1,4 @@
-"""The commands for researchers: bench, and figures, the study of 2005 remade."""
+"""The commands `bench`, which measures the methods, and `figures`, which repeats the 2005 study."""
 
 from __future__ import annotations
 
@@ -22,17 +22,18 @@ if TYPE_CHECKING:
 @option(
     "--out", "folder", "Folder for figures and numbers.", type=directory, default=Path("bench-out")
 )
-@flag("--quick", "Three scenes and a coarse map, in a quarter of a minute; else four minutes.")
+@flag("--quick", "Three scenes and a coarse map: 15 seconds in place of four minutes.")
 def bench(folder: Path, quick: bool) -> None:
-    """Measure every method beside SciPy: error against run time, stability, and costs.
+    """Compare every method with SciPy: error against run time, stability, and cost of each term.
 
-    Exit status 1 where a run hangs, has a NaN or is silently wrong.
+    The exit status is 1 if a run hangs, gives a NaN or is wrong without a warning.
     """
     from ..base.files import write_csv
     from ..bench import extremes, scenes, stability_map, work_precision
     from ..bench.work_precision_figure import work_precision_figure
 
-    def saved(name: str, measured: Iterable[Any]) -> list[Any]:
+    def save(name: str, measured: Iterable[Any]) -> list[Any]:
+        """Write a table of results, and return its rows."""
         rows = list(measured)
         header = [field.name for field in dataclasses.fields(rows[0])]
         write_csv(folder / name, header, [list(dataclasses.astuple(row)) for row in rows])
@@ -40,12 +41,13 @@ def bench(folder: Path, quick: bool) -> None:
 
     tell = partial(say, err=True)
     tell("what each term of a scene costs ...")
-    saved("costs.csv", scenes.measure(quick))
-    rows = saved("accuracy.csv", work_precision.measure(quick, tell))
+    save("costs.csv", scenes.measure(quick))
+    rows = save("accuracy.csv", work_precision.measure(quick, tell))
     work_precision_figure(rows, folder / "accuracy.png")
-    cells = saved("stability.csv", stability_map.measure(quick, tell))
+    cells = save("stability.csv", stability_map.measure(quick, tell))
     stability_map.stability_figure(cells, folder / "stability.png")
-    words = [outcome.outcome for outcome in saved("extremes.csv", extremes.measure(quick, tell))]
+    outcomes = save("extremes.csv", extremes.measure(quick, tell))
+    words = [row.outcome for row in outcomes]
     words += ["HANG" if cell.note else cell.kind for cell in cells]
     say(f"Milliseconds a simulated second at an error of 1e-6:\n\n{work_precision.table(rows)}\n")
     defects = {word: words.count(word) for word in extremes.DEFECTS}
@@ -55,8 +57,8 @@ def bench(folder: Path, quick: bool) -> None:
         raise SystemExit(1)
 
 
-SPRINGS_RTOL = 1e-3  # accuracy of the implicit model's speed
-HERTZ = 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0
+SPRINGS_RTOL = 1e-3  # Relative tolerance of the implicit model's speed.
+FREQUENCIES_HZ = 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0
 
 
 @command()
@@ -64,12 +66,12 @@ HERTZ = 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0
     "--out", "folder", "Folder for figures and claims.", type=directory, default=Path("figures-out")
 )
 def figures(folder: Path) -> None:
-    """Draw the figures of the 2005 paper anew, and set its claims beside what is found.
+    """Draw the figures of the 2005 paper anew, and compare its claims with today's results.
 
-    Writes Figs. 6 to 13 and 15 to 17, the front of least power of the 2005 robot, and claims.json.
-    Some twenty seconds. Joints follow the gait exactly, as the paper's do, so there is no --servo.
-    Fig. 17 shows the speeds of both models; its claims are compared with the band that the
-    readings leave.
+    Writes Figs. 6 to 13 and 15 to 17, the gaits of least power of the 2005 robot, and claims.json,
+    in some twenty seconds. Joints follow the gait exactly, as the paper's do, so there is no
+    --servo. Fig. 17 shows the speeds of both models; its claims are compared with the 95 % band
+    from the uncertainty of friction.
     """
     from ..show.report import table
 
@@ -90,9 +92,9 @@ def draw(folder: Path) -> list[Claim]:
     from ..show import plot
     from ..show.gaits import gait_figures
 
-    closed = study.compare_formulations("zero")
-    opened = study.compare_formulations("slow_manifold")
-    gait_figures.errors_in_time(closed, opened, folder / "fig6-7.png")
+    zero_gap = study.compare_formulations("zero")
+    slow_manifold = study.compare_formulations("slow_manifold")
+    gait_figures.errors_in_time(zero_gap, slow_manifold, folder / "fig6-7.png")
     front = study.papers_front()
     words = f"the paper's robot: {plot.robot_words(study.ROBOT, study.GROUND)}; net power"
     gait_figures.power_of(study.papers_sweep(), front, words, folder / "fig8.png")
@@ -102,18 +104,18 @@ def draw(folder: Path) -> list[Claim]:
     plot.path_and_poses(run, title, folder / "fig12-13.png")
     session = sn.load_session(Path(_core.__file__).parent / "calibration_data" / "nirakh-2005")
     fit = sn.fit_friction(session)
-    lost = "readings regenerated from the lines that the paper prints: its own are lost"
-    fit.plot(folder / "fig15-16.png", session=session, note=lost)
-    gaits = [sn.Gait.degrees(70, 75, hertz=hertz) for hertz in HERTZ]
+    note = "readings regenerated from the lines that the paper prints: its own are lost"
+    fit.plot(folder / "fig15-16.png", session=session, note=note)
+    gaits = [sn.Gait.degrees(70, 75, hertz=hertz) for hertz in FREQUENCIES_HZ]
     bands = in_threads(lambda gait: speed_band(fit, gait, servo=None), gaits)
-    exact = np.array([band.speed_m_s for band in bands])
-    on_springs = partial(sn.steady_springs, fit.robot, fit.ground, rtol=SPRINGS_RTOL)
-    implicit = in_threads(on_springs, gaits)
-    speeds = np.array([springs.speed_m_s for springs in implicit])
+    exact_m_s = np.array([band.speed_m_s for band in bands])
+    implicit = partial(sn.steady_springs, fit.robot, fit.ground, rtol=SPRINGS_RTOL)
+    implicit_m_s = np.array([state.speed_m_s for state in in_threads(implicit, gaits)])
     title = "2005 robot, α = 70°, β = 75°"
-    plot.formulations_figure(np.array(HERTZ), exact, speeds, title, folder / "fig17.png")
+    frequencies_hz = np.array(FREQUENCIES_HZ)
+    plot.formulations_figure(frequencies_hz, exact_m_s, implicit_m_s, title, folder / "fig17.png")
     words = f"2005 robot: {plot.robot_words(study.OF_2005, study.BINGHAM)}"
     cloud, optima = study.cloud_2005(), study.front_2005()
     gait_figures.power_of(cloud, optima, words, folder / "front-2005.png")
-    ends = [(hz, b.low_m_s, b.high_m_s) for hz, b in zip(HERTZ, bands, strict=True)]
-    return study.claims(closed, opened, front, ends)
+    ends = [(band.frequency_hz, band.low_m_s, band.high_m_s) for band in bands]
+    return study.claims(zero_gap, slow_manifold, front, ends)

@@ -1,14 +1,13 @@
-"""What an inclinometer's rounding has in common between readings.
+"""Rounding errors of an inclinometer that readings share.
 
-An inclinometer that shows steps of g rounds the same incline the same way every time, and inclines
-that are a treadmill's step h apart round in a pattern: with p = h / g the error runs through a
-sawtooth, e_k = g saw(phi + k p), and only phi is anybody's guess. So a set point that is read again
-has the same error again, and a series' errors may rise and fall together: taken for independent
-they would make ct and cn look better known than they are.
+An inclinometer with the resolution g rounds the same incline the same way every time. On a
+treadmill whose incline has steps of h the error at set point k is a sawtooth, e_k = g saw(phi +
+k p), with p = h / g and an unknown phase phi. So a set point that is read twice has the same error
+twice, and the errors of neighbouring set points may rise together. Independent errors would give
+ct and cn too small uncertainties.
 
-So phi is drawn evenly, and h, known to a hundredth alone, as a normal distribution. What the errors
-then have in common is their correlation; how far they may reach together is told by the samples
-themselves, for sawteeth have no tails.
+The errors are sampled with phi uniform and h normal, since it is known to 1 % only. The fit takes
+their correlation from the samples, and their bounds too, since a sawtooth has no tails.
 """
 
 from __future__ import annotations
@@ -19,16 +18,18 @@ import numpy as np
 
 from .parameters import Floats, Integers
 
-GOLDEN_RATIO = (5**0.5 - 1) / 2  # whose multiples are spread evenly
+GOLDEN_RATIO = (5**0.5 - 1) / 2  # Its multiples modulo 1 are spread evenly.
 
 
 @dataclass(frozen=True)
 class Steps:
-    """How steps of treadmill and inclinometer are recognised.
+    """Tolerances by which the steps of treadmill and inclinometer are recognised.
 
-    sigma: of a treadmill's step, relative. min_ratio: of it to the inclinometer's; below, set
-    points cannot be told apart. on_grid, slack: in the inclinometer's steps, that a reading may be
-    off one, and off a set point. trials: phases of the treadmill's steps. samples: of the errors.
+    sigma: relative standard deviation of the treadmill's step. min_ratio: smallest ratio of the
+    treadmill's step to the inclinometer's for which set points can be told apart. on_grid: largest
+    distance of a reading from the inclinometer's grid, in its steps. slack: largest distance of a
+    reading from a set point beyond the rounding, in the inclinometer's steps. trials: number of
+    offsets tried for the treadmill's grid. samples: number of samples of the errors.
     """
 
     sigma: float = 0.01
@@ -43,10 +44,10 @@ STEPS = Steps()
 
 
 def shown_step_rad(shown_rad: Floats, sigma_rad: float) -> float | None:
-    """Return the inclinometer's step, if its readings lie on such steps; else None.
+    """Return the inclinometer's step, rad, if the readings are its multiples; else None.
 
-    A step of g has the standard deviation g / sqrt(12); one that was rounded when it was written
-    down, say 0.03 for 0.1 degrees, is recognised.
+    shown_rad: (readings,). sigma_rad: the stated standard deviation g / sqrt(12) of a step g. It
+    may have been rounded to one digit, such as 0.03 for a step of 0.1 degrees.
     """
     exact = float(np.degrees(sigma_rad)) * np.sqrt(12.0)
     for step in (exact, float(f"{exact:.0e}")):
@@ -57,7 +58,9 @@ def shown_step_rad(shown_rad: Floats, sigma_rad: float) -> float | None:
 
 
 def set_points(shown_rad: Floats, step_rad: float, grade_step: float) -> Integers | None:
-    """Return which of its steps the treadmill stood at, from any one; None where it had none."""
+    """Return the treadmill's step number of each reading, from an arbitrary one; None if it has no
+    steps of grade_step, the tangent of the incline.
+    """
     if grade_step < STEPS.min_ratio * step_rad:
         return None
     grade = np.tan(shown_rad)[:, None] - grade_step * np.arange(STEPS.trials) / STEPS.trials
@@ -70,24 +73,28 @@ def set_points(shown_rad: Floats, step_rad: float, grade_step: float) -> Integer
 
 
 def _phases(set_point: Integers, step_rad: float, grade_step: float) -> tuple[Floats, Floats]:
-    """Return the first point's phases (samples,), and those of all, (samples, points), in steps."""
+    """Return the true inclines in the inclinometer's steps, as samples.
+
+    They are those of the first set point, (samples,), and of all, (samples, points).
+    """
     from scipy.special import ndtri
 
-    even = (np.arange(STEPS.samples) + 0.5) / STEPS.samples
-    scale = 1.0 + STEPS.sigma * ndtri((np.arange(STEPS.samples) * GOLDEN_RATIO + 0.5) % 1.0)
-    true = scale[:, None] * np.arctan(grade_step * set_point) / step_rad
-    return even, even[:, None] + true - true[:, :1]
+    number = np.arange(STEPS.samples)
+    first_phase = (number + 0.5) / STEPS.samples
+    scale = 1.0 + STEPS.sigma * ndtri((number * GOLDEN_RATIO + 0.5) % 1.0)
+    incline = scale[:, None] * np.arctan(grade_step * set_point) / step_rad
+    return first_phase, first_phase[:, None] + incline - incline[:, :1]
 
 
 def shared_rounding(
     shown_rad: Floats, sigma_rad: float, grade_step: float
 ) -> tuple[Integers, Floats]:
-    """Return which shared rounding error each reading has (-1: none), and samples of them, rad.
+    """Return the index (readings,) of each reading's rounding error, and the errors' samples, rad.
 
-    The samples are (samples, errors). Readings of one set point that showed the same share an
-    error; where one showed now this, now that, it is not held exactly, and goes with no other. None
-    is shared where the readings do not lie on the inclinometer's steps, or not on the treadmill's:
-    then nothing tells that their errors go together.
+    The samples are (samples, errors). Readings of one set point that show the same incline share an
+    error. If a set point shows several inclines, the treadmill does not hold it exactly, and each
+    gets an independent error. All indices are -1 if the readings are not multiples of the
+    inclinometer's step, or not at the treadmill's set points.
     """
     none_shared = np.full(len(shown_rad), -1, dtype=np.intp), np.empty((STEPS.samples, 0))
     step_rad = shown_step_rad(shown_rad, sigma_rad) if len(shown_rad) else None
@@ -96,22 +103,21 @@ def shared_rounding(
         return none_shared
     shown = np.round(shown_rad / step_rad).astype(np.intp)
     groups, index = np.unique(np.column_stack([points, shown]), axis=0, return_inverse=True)
-    even, phase = _phases(groups[:, 0], step_rad, grade_step)
-    for k in np.flatnonzero(np.diff(groups[:, 0]) == 0) + 1:
-        phase[:, k] = np.random.default_rng(k).permutation(even)
+    first_phase, phase = _phases(groups[:, 0], step_rad, grade_step)
+    for group in np.flatnonzero(np.diff(groups[:, 0]) == 0) + 1:
+        phase[:, group] = np.random.default_rng(group).permutation(first_phase)
     errors = step_rad * (np.round(phase) - phase)
-    return index.astype(np.intp).ravel(), errors[
-        np.random.default_rng(0).permutation(STEPS.samples)
-    ]
+    order = np.random.default_rng(0).permutation(STEPS.samples)
+    return index.astype(np.intp).ravel(), errors[order]
 
 
 def nearest_shown(
     wanted_rad: float, shown_rad: Floats, sigma_rad: float, grade_step: float
 ) -> float:
-    """Return what the inclinometer is likely to show at the treadmill's step nearest to an incline.
+    """Return the incline, rad, that the inclinometer will show at the set point nearest to one.
 
-    shown_rad: so far, which tell how the treadmill's steps lie. The incline itself where nothing is
-    known of steps.
+    shown_rad: (readings,) so far, which determine the treadmill's set points. If they do not, the
+    result is wanted_rad itself.
     """
     step_rad = shown_step_rad(shown_rad, sigma_rad) if len(shown_rad) else None
     points = None if step_rad is None else set_points(shown_rad, step_rad, grade_step)

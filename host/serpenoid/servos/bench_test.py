@@ -1,7 +1,8 @@
-"""A bench test of one joint: the table, and a servo's parameters under which a joint moves so.
+"""A bench test of one joint: its table, and the angles that a servo's parameters predict for it.
 
-A parameter is counted in standard deviations of its prior, so that all are standard normal before
-the test. Torques are relative to the motor's stalled torque unless the joint turns a known load.
+Parameters are in standard deviations of their priors from the typical value, so that each prior is
+standard normal. Torques are relative to the motor's stall torque unless the joint turns a known
+load.
 """
 
 from __future__ import annotations
@@ -11,28 +12,28 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from ..base.checks import check_number
 from ..base.errors import BadInput
+from ..base.vectors import Array
 from ..model.drives import Servo, ServoKind
 
-Array = NDArray[np.float64]
 Values = dict[str, Array]
 GRAVITY_M_S2 = 9.81
-MIN_ROWS, MAX_TEST_S = 10, 20.0
-MAX_LOAD_KG, MAX_LOAD_M = 5.0, 1.0  # their torque, 49 N m, is ten times that of a large hobby servo
-MIN_GAIN, MAX_GAIN = 0.1, 1.7  # degrees of the angle for one of the setpoint, of a sound table
-MIN_SPAN_RAD = math.radians(4.0)  # span of setpoints: less is within dead bands and teeth
-MAX_STEPS = 40  # steps with a delay of their own; a gait has more setpoints, which share one delay
+MIN_ROWS, MAX_TEST_S = 10, 20.0  # Limits of a table: number of rows, and duration.
+MAX_LOAD_KG, MAX_LOAD_M = 5.0, 1.0  # Their torque, 49 N m, is ten times a large hobby servo's.
+MIN_GAIN, MAX_GAIN = 0.1, 1.7  # Limits of angle over setpoint; outside them a unit was mistaken.
+MIN_SPAN_RAD = math.radians(4.0)  # Smallest span of setpoints, above dead band and play of gears.
+MAX_STEPS = 40  # Most steps with separate delays; the many setpoints of a gait share one delay.
 
 
 @dataclass(frozen=True)
 class Load:
-    """A mass at a distance from the axis, which hangs straight down at the angle down_rad.
+    """A mass at a distance from the joint's axis.
 
-    level: whether the axis is level, so that gravity turns it; else the load is an inertia alone.
+    level: whether the axis is level, so that gravity acts on the joint; if not, the load is only an
+    inertia. down_rad: angle of the joint at which the mass hangs straight down. Raises BadInput.
     """
 
     mass_kg: float
@@ -47,11 +48,12 @@ class Load:
 
 @dataclass(frozen=True)
 class BenchTest:
-    """What was sent to one joint, and the angles that were seen.
+    """The table of a test: the setpoints sent to one joint, and the measured angles.
 
-    t_s (T,), rising; setpoint_rad (T,), each held until the next time; angle_rad (T,), with the
-    standard deviation sigma_rad; None: the table's own scatter. sent_s (T,): when the row's
-    setpoint was sent, by the host's clock; None for the row's time. Raises BadInput.
+    t_s: (T,), increasing. setpoint_rad: (T,), each valid until the next time. angle_rad: (T,).
+    sigma_rad: standard deviation of an angle; None: it is estimated from the table. load: what the
+    joint turns; None if it is unknown. sent_s: (T,), time at which each row's setpoint was sent;
+    None: at the row's time. Raises BadInput.
     """
 
     t_s: Array
@@ -65,11 +67,11 @@ class BenchTest:
         rows = self.t_s.size
         if rows < MIN_ROWS or not (np.diff(self.t_s) > 0).all():
             raise BadInput(
-                f"a bench test needs {MIN_ROWS} rows or more at rising times; got {rows}"
+                f"a bench test needs {MIN_ROWS} rows or more at rising times; it has {rows}"
             )
-        lasts_s = float(np.ptp(self.t_s))
-        if lasts_s > MAX_TEST_S:
-            raise BadInput(f"the test lasts {lasts_s:.3g} s; give {MAX_TEST_S:.0f} s at most")
+        duration_s = float(np.ptp(self.t_s))
+        if duration_s > MAX_TEST_S:
+            raise BadInput(f"the test lasts {duration_s:.3g} s; give {MAX_TEST_S:.0f} s at most")
         span_rad = float(np.ptp(self.setpoint_rad))
         if span_rad < MIN_SPAN_RAD:
             raise BadInput(
@@ -80,46 +82,46 @@ class BenchTest:
 
     @property
     def resolution_rad(self) -> float:
-        """Return the smallest difference between two angles of the table."""
+        """Return the smallest difference between two angles of the table, rad."""
         steps = np.diff(np.unique(np.round(self.angle_rad, 9)))
         return float(steps.min()) if steps.size else 0.0
 
     @property
     def noise_rad(self) -> float:
-        """Return the standard deviation of an angle: as stated, or by its second differences.
+        """Return the standard deviation of an angle, rad: as stated, or from second differences.
 
-        The resolution of the table is in it. The median leaves the rows out in which the joint
-        comes to speed or stops.
+        The estimate includes the table's resolution. It takes the median, so that the rows in which
+        the joint accelerates hardly count.
         """
         if self.sigma_rad is not None:
             return self.sigma_rad
         second = np.abs(np.diff(self.angle_rad, 2))
-        scatter = 1.4826 * float(np.median(second)) / math.sqrt(6)
+        scatter = 1.4826 * float(np.median(second)) / math.sqrt(6)  # Normal errors: sigma / MAD.
         return max(math.hypot(scatter, self.resolution_rad / math.sqrt(12)), math.radians(1e-3))
 
 
 class Prior(NamedTuple):
-    """Prior of a parameter: normal about a typical value, in its unit or in its logarithm."""
+    """Normal prior of a parameter about a typical value, or normal prior of its logarithm."""
 
     typical: float
     sigma: float
     logarithmic: bool = False
 
     def value(self, x: Array) -> Array:
-        """Return values in the parameter's unit, of x in standard deviations."""
+        """Return values (K,) in the parameter's unit, given x (K,) in standard deviations."""
         if self.logarithmic:
             return self.typical * np.exp(self.sigma * x)
         return self.typical + self.sigma * x
 
 
-# What a test has beside the servo itself.
+# Priors of a test's own parameters, beside those of the servo.
 TEST_PRIORS = {
-    "zero_rad": Prior(0.0, math.radians(10.0)),  # teeth of a horn are 14 to 17 degrees apart
-    "delay_s": Prior(0.01, 0.05),  # half a frame of 20 ms, and a log that runs late
-    "start_rad": Prior(0.0, math.radians(0.5)),  # mean of the rows before the first step
+    "zero_rad": Prior(0.0, math.radians(10.0)),  # The teeth of a horn are 14 to 17 degrees apart.
+    "delay_s": Prior(0.01, 0.05),  # Half a frame of 20 ms, plus the delay of the log.
+    "start_rad": Prior(0.0, math.radians(0.5)),  # Correction to the mean before the first step.
 }
-# A load that nobody stated pulls with parts of the stalled torque at two angles; of one that was
-# stated, mass times distance and the angle at which it hangs down are uncertain.
+# An unstated load has two unknown torques, over the stall torque, with the joint at 0 and at 90
+# degrees. A stated load is uncertain by its mass times distance and the angle of hanging down.
 UNSTATED_LOAD = {
     "load_over_torque_at_0_deg": Prior(0.0, 0.1),
     "load_over_torque_at_90_deg": Prior(0.0, 0.1),
@@ -128,56 +130,61 @@ STATED_LOAD = {
     "load_moment_ratio": Prior(1.0, 0.02, logarithmic=True),
     "load_down_rad": Prior(0.0, math.radians(5.0)),
 }
-# Parameters of a test that say nothing of the servo or the table.
+# Parameters that describe neither the servo nor the table.
 UNREPORTED = {"start_rad", *STATED_LOAD}
 
 
 def servo_priors(kind: ServoKind) -> dict[str, Prior]:
-    """Return the priors of what a bench test can show of a servo.
+    """Return the priors of the parameters that a bench test can determine, name -> prior.
 
-    A joint without load shows no torque. What brakes it, motor and gear, it shows only together,
-    and its speed and its rotor on a supply that sags under the whole duty.
+    Without a load a test shows no torque, so that stiffness, friction and damping are ratios to the
+    motor's. Motor and gear damping act together, and so the no-load speed and the rotor's time
+    constant contain both, on a supply that sags at full duty.
     """
     servo, sigma = kind.servo, kind.sigma
     torque = servo.torque_limit_nm
     supply = 1 / (1 + servo.supply_sag)
-    line = torque / servo.speed_limit_rad_s
-    brake = supply * line + servo.gear_damping_nms_rad
-    no_load = max(supply * torque - servo.gear_friction_nm, 0.0) / brake
+    motor_damping = torque / servo.speed_limit_rad_s
+    damping = supply * motor_damping + servo.gear_damping_nms_rad
+    no_load = max(supply * torque - servo.gear_friction_nm, 0.0) / damping
     typical = {
         "stall_torque_nm": (servo.stall_torque_nm, "torque_limit_nm"),
         "no_load_rad_s": (no_load, "speed_limit_rad_s"),
         "stiffness_over_torque": (servo.stiffness_nm_rad / torque, "stiffness_nm_rad"),
-        "rotor_over_brake_s": (servo.armature_kg_m2 / brake, "armature_kg_m2"),
+        "rotor_over_brake_s": (servo.armature_kg_m2 / damping, "armature_kg_m2"),
         "gear_friction_over_torque": (servo.gear_friction_nm / torque, "gear_friction_nm"),
-        "gear_damping_over_motors": (servo.gear_damping_nms_rad / line, "gear_damping_nms_rad"),
+        "gear_damping_over_motors": (
+            servo.gear_damping_nms_rad / motor_damping,
+            "gear_damping_nms_rad",
+        ),
         "dead_band_rad": (servo.dead_band_rad, "dead_band_rad"),
         "supply_sag": (servo.supply_sag, "supply_sag"),
     }
     priors = {}
     for name, (value, field) in typical.items():
-        # Torque and speed are those at a voltage that nobody may have measured.
+        # Torque and speed scale with the supply's voltage, which is uncertain too.
         at_volts = field in ("torque_limit_nm", "speed_limit_rad_s")
-        volts = sigma.get("supply_v", 0.0) if at_volts else 0.0
+        volts = at_volts * sigma.get("supply_v", 0.0)
         priors[name] = Prior(value, math.hypot(sigma.get(field, 0.0), volts), logarithmic=True)
-    derivative = (servo.damping_nms_rad - line) / max(servo.stiffness_nm_rad, 1e-12)
-    # The loop's D beyond the motor's own has a sigma of 0.05 s, over its stiffness.
+    # Derivative gain of the loop over its proportional gain, with a sigma of 0.05 s.
+    derivative = (servo.damping_nms_rad - motor_damping) / max(servo.stiffness_nm_rad, 1e-12)
     return priors | {"derivative_s": Prior(derivative, 0.05)}
 
 
 class BenchModel:
-    """Angles that servos of a kind would have shown in a test, by their parameters.
+    """The model of a test: angles as a function of the parameters of a servo of some kind.
 
-    Parameters (K, P) are in standard deviations from their typical values; names has what each is.
-    The last ones are delays of single steps. update_hz: the loop's rate; 0 for a continuous one.
+    Parameters x are (K, P), in standard deviations from their typical values. The first ones are
+    those in names; the last ones are the delays of single steps. update_hz: rate of the servo's
+    control loop; 0 for a continuous loop.
     """
 
     def __init__(self, test: BenchTest, kind: ServoKind, update_hz: float) -> None:
         self.test, self.kind, self.update_hz = test, kind, update_hz
         self.period_s = 1 / update_hz if update_hz else 0.0
         self.priors = servo_priors(kind) | TEST_PRIORS
-        # The joint's degrees for one of the setpoint have a sigma of 5 %.
-        self.priors["gain"] = Prior(_sign_of_angles(test), 0.05, logarithmic=True)
+        # The gain is the ratio of a change of the angle to that of the setpoint.
+        self.priors["gain"] = Prior(_gain_sign(test), 0.05, logarithmic=True)
         self.priors |= UNSTATED_LOAD if test.load is None else STATED_LOAD
         self.names = [name for name, prior in self.priors.items() if prior.sigma > 0]
         changes = np.flatnonzero(np.diff(test.setpoint_rad)) + 1
@@ -186,50 +193,51 @@ class BenchModel:
         self.sent_s = np.r_[test.t_s[0], sent_s[changes]]
         self.start_rad = float(np.mean(test.angle_rad[: changes[0]][-5:]))
         self.steps = changes.size if changes.size <= MAX_STEPS else 0
-        # A step waits for the loop's next sample, up to a period.
-        # A step waits for a frame, 0 to 20 ms: a sigma of 6 ms.
+        # A step waits for the next frame of 20 ms and for the loop's next sample, both uniform.
         self.step_sigma_s = math.hypot(0.006, self.period_s / math.sqrt(12))
         self.size = len(self.names) + self.steps
         self.noise_rad = test.noise_rad
 
     def values(self, x: Array) -> Values:
-        """Return each parameter in its own unit, (K,), of parameters (K, P)."""
+        """Return parameters x (K, P) in their units, name -> (K,)."""
         columns = dict.fromkeys(self.priors, np.zeros(len(x)))
         columns |= zip(self.names, x.T, strict=False)
         return {name: prior.value(columns[name]) for name, prior in self.priors.items()}
 
     def step_delays_s(self, x: Array) -> Array:
-        """Return how much later than the others each step takes effect, (..., steps)."""
+        """Return the delay of each step beyond the common one, s, (..., steps)."""
         return self.step_sigma_s * x[..., len(self.names) :]
 
     def fields(self, values: Values) -> Values:
-        """Return the fields of servos with such values; the angles' own gain is left as it is.
+        """Return the fields of Servo for parameter values, name -> (K,).
 
-        Speed and rotor are those of the whole duty on a supply that sags to a share h: what a joint
-        shows of them does not depend on sag and gear. With f = q S and c = g S / w0 the speed is
-        w0 (h - q) / (h + g), and the rotor's time J / (h S / w0 + c).
+        A motor has the stall torque S and the no-load speed w0, and its gear the friction q S and
+        the damping g S / w0. If the supply sags to the share h at full duty, the joint's no-load
+        speed is w0 (h - q) / (h + g), and the rotor's time constant J w0 / (S (h + g)). These two
+        are parameters; w0 and J follow from them.
         """
         friction = np.minimum(values["gear_friction_over_torque"], 0.5)
         gear, sag = values["gear_damping_over_motors"], np.minimum(values["supply_sag"], 0.9)
         supply = 1 / (1 + sag)
         torque = values["stall_torque_nm"] / (1 - friction)
         speed = values["no_load_rad_s"] * (supply + gear) / (supply - friction)
-        line, stiffness = torque / speed, values["stiffness_over_torque"] * torque
+        motor_damping = torque / speed
+        stiffness = values["stiffness_over_torque"] * torque
         return {
             "stiffness_nm_rad": stiffness,
-            "damping_nms_rad": np.maximum(line + stiffness * values["derivative_s"], 0.0),
+            "damping_nms_rad": np.maximum(motor_damping + stiffness * values["derivative_s"], 0.0),
             "torque_limit_nm": torque,
             "speed_limit_rad_s": speed,
             "dead_band_rad": values["dead_band_rad"],
-            "armature_kg_m2": values["rotor_over_brake_s"] * line * (supply + gear),
+            "armature_kg_m2": values["rotor_over_brake_s"] * motor_damping * (supply + gear),
             "gear_friction_nm": friction * torque,
-            "gear_damping_nms_rad": gear * line,
+            "gear_damping_nms_rad": gear * motor_damping,
             "supply_sag": sag,
             "update_hz": np.full_like(sag, self.update_hz),
         }
 
     def angles(self, x: Array) -> Array:
-        """Return the angles (K, T) that such servos would have shown, rad."""
+        """Return the predicted angles (K, T), rad."""
         values, test, load = self.values(x), self.test, self.test.load
         gain, zero = values["gain"], values["zero_rad"]
         fields = self.fields(values)
@@ -245,7 +253,7 @@ class BenchModel:
             down_rad = load.down_rad + values["load_down_rad"]
         fields |= {
             "gain": gain,
-            "gravity_nm": moment_nm * np.sign(gain),  # sign of mirrored angles, too
+            "gravity_nm": moment_nm * np.sign(gain),  # Mirrored angles mirror gravity too.
             "gravity_angle_rad": zero - down_rad,
             "load_inertia_kg_m2": inertia,
             "start_rad": (self.start_rad + values["start_rad"] - zero) / gain,
@@ -261,19 +269,19 @@ class BenchModel:
         return gain[:, None] * angles + zero[:, None]
 
     def residuals(self, x: Array) -> Array:
-        """Return (K, T) what the model has above the table, over the noise."""
+        """Return predicted less measured angles over their standard deviation, (K, T)."""
         return (self.angles(x) - self.test.angle_rad) / self.noise_rad
 
     def samples(self, x: Array, rng: np.random.Generator) -> Values:
-        """Return what such parameters say of servo and table, by name, (K,).
+        """Return samples of the parameters of servo and table in their units, name -> (K,).
 
-        Where setpoints and angles differ by a gain, a table does not tell which of the two is
-        wrong. So half of the servos have the angles' speed, half the setpoints'. The wait for the
-        loop's next sample is no delay of the log. The table does not tell it either; it is the same
-        for all steps where these are sent at multiples of the loop's period.
+        If angles and setpoints differ by a gain, a table cannot show which of the two is wrong. So
+        half of the samples trust the angles, and half the setpoints. The common delay contains the
+        wait for the loop's next sample, up to a period, which a table cannot show either.
         """
         values = self.values(x)
-        gain = np.where(rng.random(len(x)).round() < 1, np.abs(values["gain"]), 1.0)
+        trusts_angles = rng.random(len(x)).round() < 1
+        gain = np.where(trusts_angles, np.abs(values["gain"]), 1.0)
         values["no_load_rad_s"] *= gain
         values["dead_band_rad"] *= gain
         values["stiffness_over_torque"] /= gain
@@ -283,7 +291,7 @@ class BenchModel:
         return values
 
     def servos(self, values: Values, rng: np.random.Generator) -> list[Servo]:
-        """Return servos with such values; the voltage is drawn from the kind."""
+        """Return a servo for each sample of values (K,); the kind's supply voltage is sampled."""
         typical, fields = self.kind.servo, self.fields(values)
         half_width = math.sqrt(3) * self.kind.sigma.get("supply_v", 0.0)
         count = values["no_load_rad_s"].size
@@ -294,16 +302,20 @@ class BenchModel:
         ]
 
 
-def _sign_of_angles(test: BenchTest) -> float:
-    """Return 1, or -1 where the angle turns the other way. Raises BadInput for another unit."""
-    moved, slope = test.angle_rad - test.angle_rad.mean(), 0.0
-    for late_s in np.arange(0.0, 0.31, 0.02):
-        sent = np.interp(test.t_s - late_s, test.t_s, test.setpoint_rad)
-        sent -= sent.mean()
-        slope = max(slope, float(sent @ moved / max(sent @ sent, 1e-12)), key=abs)
-    if not MIN_GAIN < abs(slope) < MAX_GAIN:
+def _gain_sign(test: BenchTest) -> float:
+    """Return 1, or -1 if angles decrease with setpoints; raises BadInput if their units differ.
+
+    The gain is the largest regression slope of angles over setpoints delayed by 0 to 0.3 s.
+    """
+    angle, gain = test.angle_rad - test.angle_rad.mean(), 0.0
+    for delay_s in np.arange(0.0, 0.31, 0.02):
+        setpoint = np.interp(test.t_s - delay_s, test.t_s, test.setpoint_rad)
+        setpoint -= setpoint.mean()
+        slope = setpoint @ angle / max(setpoint @ setpoint, 1e-12)
+        gain = max(gain, float(slope), key=abs)
+    if not MIN_GAIN < abs(gain) < MAX_GAIN:
         raise BadInput(
-            f"the angle moves by {slope:.2g} degrees for a degree of the setpoint; both must be "
+            f"the angle moves by {gain:.2g} degrees for a degree of the setpoint; both must be "
             "the joint's, in degrees (57 or 0.017: one of them is in radians)"
         )
-    return math.copysign(1.0, slope)
+    return math.copysign(1.0, gain)

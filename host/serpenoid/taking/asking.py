@@ -1,4 +1,4 @@
-"""One person asked at one terminal: five words at every prompt, one way to doubt a number."""
+"""Ask a person at the terminal: any prompt takes five command words; odd numbers are queried."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from .terminal import PATIENCE_S, Console
 
 WORDS = "At every prompt: undo, skip, pause, quit, help."
 HELP = """\
-  undo     ask the question before again; at the first one: the last reading is void
-  undo 7   reading 7 is void
-  skip     leave this reading out, or take what stands in brackets
+  undo     ask the previous question again; at the first one, void the last reading
+  undo 7   void reading 7
+  skip     leave this reading out, or take the value in brackets
   pause    servos off, until the next Enter
   quit     leave; everything read so far is kept
 What a prompt asks for may be typed in one line, as 2.3 0.45, or one by one."""
@@ -26,26 +26,27 @@ T = TypeVar("T")
 
 
 class Undo(Exception):
-    """The person takes back what was before the first question."""
+    """The person typed undo at the first question of a form."""
 
 
 class Skip(Exception):
-    """The person leaves this reading out."""
+    """The person typed skip, to leave this reading out."""
 
 
 class Quit(Exception):
-    """The person wants to leave."""
+    """The person typed quit."""
 
 
 class Restart(Exception):
-    """See where the session stands, and ask from there."""
+    """The robot lost its pose: the session is to be continued from its next step."""
 
 
 class Asker:
-    """Ask a person, who may type a word of HELP instead of any answer.
+    """Ask a person for numbers and words; a word of HELP may be typed in place of any answer.
 
-    robot: None if it is set by hand. journal: of the session whose readings `undo 7` voids; None
-    where there is none yet. belt_unit: of a belt's speed without one.
+    journal: the session whose readings `undo 7` voids; None if it does not exist yet. robot: the
+    board that moves it; None if a person bends it by hand. belt_unit: unit of belt speeds that are
+    typed without one.
     """
 
     def __init__(
@@ -59,15 +60,16 @@ class Asker:
         self.belt_unit = ""
 
     def say(self, text: str) -> None:
-        """Show a line or more."""
+        """Show some lines, unless earlier answers are being replayed."""
         if not self._replay:
             self._terminal.say(text)
 
     def form(self, fill: Callable[[], T]) -> T:
-        """Return what a function makes of the answers that it asks for.
+        """Return fill(), a function that asks questions of this asker.
 
-        After `undo` and after an answer that cannot be, it runs again on the answers before that
-        one. Raises Undo where there is none before, Skip, Quit and Restart.
+        After `undo`, and after an answer that fill refuses with BadInput, it runs again: the
+        answers but for the last one are replayed, and the person is asked that question anew.
+        Raises Undo or BadInput if there is no answer yet, and Skip, Quit and Restart.
         """
         self._answers = []
         while True:
@@ -82,18 +84,18 @@ class Asker:
             self._answers.pop()
 
     def confirm(self, prompt: str, *, moves: bool = False) -> None:
-        """Wait for Enter alone; where it moves the robot, it may not have been typed before."""
+        """Wait for Enter alone; moves: it starts the robot, so what was typed ahead is dropped."""
         while True:
             if moves:
                 self._terminal.forget()
             text = self.ask(prompt)
             if not text:
                 return
-            # "no" must not start a robot, and a number must not be lost.
+            # A "no" must not start a robot, and a number typed here would be lost.
             self.say(f"  ! {text!r} is no answer to this; press Enter alone, or type help")
 
     def ask(self, prompt: str, usual: str = "") -> str:
-        """Return an answer, usual for Enter and skip; raises Undo, Skip, Quit and Restart."""
+        """Return an answer; Enter and skip give usual. Raises Undo, Skip, Quit and Restart."""
         if self._replay:
             return self._replay.popleft()
         answer = None
@@ -107,14 +109,15 @@ class Asker:
         return answer
 
     def numbers(self, fields: Sequence[Field], line: str = "") -> Values:
-        """Return the fields' numbers, by their columns; line: the answer that is there already.
+        """Return the fields' numbers in their columns' units, column -> number; raises BadInput.
 
-        Once a line ends, what has a usual value is not asked for.
+        line: an answer that the person has given already. Several numbers may be typed in one line.
+        After the first number, fields with a usual value are not asked for.
         """
         values = Values()
-        for k, field in enumerate(fields):
-            if not line and not (k and field.usual is not None):
-                words = [f"{f.words} ({bare_unit(f, self.belt_unit)})" for f in fields[k:]]
+        for index, field in enumerate(fields):
+            if not line and not (index and field.usual is not None):
+                words = [f"{f.words} ({bare_unit(f, self.belt_unit)})" for f in fields[index:]]
                 line = self.ask(f"  {'; '.join(words)}: ")
             values[field.column], line = first_number(line, field, self.belt_unit)
         if line:
@@ -127,9 +130,9 @@ class Asker:
         values: Values,
         expected: Callable[[Values], Mapping[str, Range | None]],
     ) -> Values:
-        """Return values once each number is where it is expected, or confirmed by the person.
+        """Return values after the person has corrected or confirmed each doubtful number.
 
-        expected: returns the ranges that the fields' numbers are expected in, by their columns.
+        expected: returns the range in which each field's number is expected, column -> range.
         """
         for field in fields:
             while (span := expected(values)[field.column]) and field.column in values:
@@ -143,11 +146,11 @@ class Asker:
                 if answer:
                     values = values | self.numbers([field], answer)
                 else:
-                    self._answers.pop()  # Enter keeps nothing that is in doubt
+                    self._answers.pop()  # Enter does not confirm a doubtful number.
         return values
 
     def _obey(self, line: str, usual: str) -> str | None:
-        """Return the answer that a line is, None for a word that was obeyed and goes on."""
+        """Return the answer in a line; None after a command word that leaves the question open."""
         word, _, number = line.strip().lower().partition(" ")
         if number and word == "undo":
             self._void(number.strip())
@@ -176,7 +179,7 @@ class Asker:
                 self._let_go("stopped by a key")
 
     def _let_go(self, why: str) -> None:
-        """End the pulses of a robot that is powered, and raise Restart: its pose is lost."""
+        """End the pulses of a powered robot, which loses its pose, and raise Restart."""
         if self._robot is None or not self._robot.powered:
             return
         self._robot.idle()

@@ -62,7 +62,7 @@ def new(
                 "there is no terminal to ask at; give --template DIR, or --defaults with "
                 "--surface and --mass-kg"
             )
-        say(f"{WORDS} Enter takes what stands in brackets; units may be typed.")
+        say(f"{WORDS} Enter takes the value in brackets; units may be typed.")
         try:
             setup = ask_setup(Asker(Console()), setup, answers, on)
         except (Quit, EOFError):
