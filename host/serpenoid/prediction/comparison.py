@@ -274,7 +274,7 @@ def _joints_as_filmed(crawl: Crawls) -> str:
     if not crawl.films:
         return ""
     numbers = " and ".join(f"film {film.number}" for film in crawl.films)
-    gain = float(np.mean([film.mean_gain for film in crawl.films]))
+    gain = float(np.mean([film.gait.joint_gain for film in crawl.films]))
     sigma = math.hypot(*(film.gain_sigma for film in crawl.films)) / len(crawl.films)
     return (
         f"Joints in {numbers} reach {gain:.1%} ± {sigma:.1%} of the commanded amplitude; the "

@@ -16,10 +16,6 @@ from .gait_run import Crawl, FilmReading
 from .session import Session
 from .settings import Setup
 
-# Commands that differ by less are one command: a film shows its rate, and may show its angles.
-_SAME_RATE, _SAME_RAD = 0.01, 0.01
-MEANS = ("omega_rad_s", "offset_rad", "joint_gain", "joint_shift_rad")  # numbers of filmed gaits
-
 
 @dataclass(frozen=True)
 class Crawls:
@@ -43,7 +39,8 @@ class Crawls:
         films = [film.gait for film in self.films]
         if not films:
             return self.commanded
-        means = {name: np.mean([getattr(g, name) for g in films], axis=0) for name in MEANS}
+        numbers = "omega_rad_s", "offset_rad", "joint_gain", "joint_shift_rad"
+        means = {name: np.mean([getattr(g, name) for g in films], axis=0) for name in numbers}
         return replace(films[0], **means)
 
 
@@ -75,11 +72,12 @@ def as_run(session: Session, gaits: Sequence[Gait]) -> tuple[Gait, ...]:
 
 
 def same_command(first: Gait, second: Gait) -> bool:
-    """Tell whether two commands differ by no more than a film may be off."""
+    """Tell whether two commands differ by no more than the rate and the angles of a film may."""
+    max_rate, max_rad = 0.01, 0.01
     angles = [(g.alpha_rad, g.beta_rad, g.offset_rad) for g in (first, second)]
     joints = [(g.joint_gain, g.joint_shift_rad) for g in (first, second)]
-    is_same_rate = math.isclose(first.omega_rad_s, second.omega_rad_s, rel_tol=_SAME_RATE)
-    return is_same_rate and joints[0] == joints[1] and math.dist(*angles) < _SAME_RAD
+    is_same_rate = math.isclose(first.omega_rad_s, second.omega_rad_s, rel_tol=max_rate)
+    return is_same_rate and joints[0] == joints[1] and math.dist(*angles) < max_rad
 
 
 def driving(setup: Setup, kind: ServoKind) -> ServoKind:

@@ -28,13 +28,11 @@ LENGTH_UNITS: Units = {
     "ft": 0.3048,
     "yd": 0.9144,
 }
-BELT_UNITS = ("m/s", "km/h", "mph")  # that treadmills show
-_INCLINE: tuple[Units, str] = {"deg": 1.0, "%": 0.0}, "2.3 or 4 %"  # grade: by the arctangent
 # By the ends of columns' names, the first that fits: the units that a person may type a number in,
-# unit -> factor to the first, and an example.
+# unit -> factor to the first, and an example. A grade is converted by its arctangent.
 QUANTITIES: dict[str, tuple[Units, str]] = {
-    "incline_deg": _INCLINE,
-    "reversed_deg": _INCLINE,
+    "incline_deg": ({"deg": 1.0, "%": 0.0}, "2.3 or 4 %"),
+    "reversed_deg": ({"deg": 1.0, "%": 0.0}, "2.3 or 4 %"),
     "_deg": ({"deg": 1.0}, "150"),
     "_percent": ({"%": 1.0, "deg": 0.0}, "0.5"),
     "_km_h": ({"km/h": 1.0, "m/s": 3.6, "mph": 1.609344}, "0.1"),
@@ -49,14 +47,14 @@ QUANTITIES: dict[str, tuple[Units, str]] = {
     "_v": ({"V": 1.0}, "5.2"),
     "": ({"": 1.0}, "6"),
 }
-PER_SI = {"percent": 100.0, "ms": 1e3, "mm": 1e3, "h": 3.6}  # factors of units that names end in
 
 
 def in_si(name: str, value: float) -> float:
     """Return a value in SI that is given in the unit of its name."""
     if name.endswith("_deg"):
         return math.radians(value)
-    return value / PER_SI.get(name.rpartition("_")[2], 1.0)
+    per_si = {"percent": 100.0, "ms": 1e3, "mm": 1e3, "h": 3.6}
+    return value / per_si.get(name.rpartition("_")[2], 1.0)
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from .declaration import Cells, Observation
 from .gait_run import FilmReading, GaitRun
 from .push import Push
 from .session import Event, Session
-from .settings import FORMAT, Plan, Setup, amended
+from .settings import Plan, Setup, amended
 from .station import BeltCheck, BendCheck, Reading, ZeroReading
 from .track import FOLDER, PLACES, TRACK, Track, read_track, typed_track
 
@@ -34,8 +34,6 @@ KINDS: dict[str, type[Observation]] = {
     reading.kind: reading
     for reading in (Reading, BendCheck, ZeroReading, BeltCheck, GaitRun, FilmReading, Push)
 }
-
-OLD_KINDS = {"coast": "push"}  # names of kinds in older files -> their names
 
 READING_COLUMNS = (
     "reading",
@@ -66,27 +64,12 @@ LINKS = "links"  # links, as session.toml said when the reading was taken
 Row = Mapping[str, str]
 TORN = "#torn"
 EVENT_COLUMNS = ("time_utc", "event", "reading", "detail")
-EVENTS = (
-    "start",
-    "end",
-    "pause",
-    "resume",
-    "amend",
-    "void",
-    "restore",
-    "undo",
-    "skip",
-    "unskip",
-    "note",
-    "connect",
-)
 ON_READINGS = ("void", "restore", "undo")
 Numbered = dict[int, Row]  # rows by the numbers of their readings
 
 
 def kind_of(name: str) -> type[Observation]:
     """Return a kind of reading by its name; raises BadInput."""
-    name = OLD_KINDS.get(name, name)
     if name not in KINDS:
         raise BadInput(f"kind is {name!r}; it must be one of {', '.join(KINDS)}")
     return KINDS[name]
@@ -102,8 +85,7 @@ def reading_row(name: str, cells: Cells, plan: Plan | None = None) -> dict[str, 
     planned = {"bend": plan.bend} if plan is not None and "bend" in fields else {}
     row, more = dict.fromkeys(READING_COLUMNS, "") | {"kind": kind.kind}, []
     for column, value in (planned | dict(cells)).items():
-        words = (LISTED, LINKS, DOUBTFUL, *(TRACK_WORDS if kind.columns else ()))
-        if column not in (*fields, *words):
+        if column not in (*fields, LISTED, LINKS, DOUBTFUL):
             columns = ", ".join([*fields, *([PLACES] if kind.columns == TRACK else [])])
             raise BadInput(f"unknown column {column!r}; a reading of kind {name} has {columns}")
         text = value if isinstance(value, str) else f"{value:.10g}"
@@ -170,33 +152,16 @@ def load_session(folder: str | Path) -> Session:
 def read_session(folder: str | Path) -> Session:
     """Read a session's folder as load_session does, one that has no readings yet, too."""
     folder, notes = Path(folder), list[str]()
-    top = Table.load(check_session(folder))
+    top, path = Table.load(check_session(folder)), folder / "readings.csv"
     top.check_format(
-        FORMAT,
+        2,
         "which held stations alone, and is not read; calibration_data/README.md says what format "
-        f"{FORMAT} has",
+        "2 has",
     )
     events = read_events(folder, notes)
     details = [event.detail for event in events if event.event == "amend"]
     setup = Setup.read(amended(top, details, folder / "events.csv"))
-    return session_of(setup, events, folder, notes)
-
-
-def check_session(folder: Path) -> Path:
-    """Return the path of a session's settings; raises BadInput where there is no session."""
-    path = folder / "session.toml"
-    if not path.exists():
-        raise BadInput(
-            f"{folder}: no session here (no session.toml); `serpenoid calibrate new {folder}` "
-            "begins one"
-        )
-    return path
-
-
-def session_of(setup: Setup, events: Sequence[Event], folder: Path, notes: list[str]) -> Session:
-    """Return the session of a folder. notes: what is told of its files so far."""
-    path, notes = folder / "readings.csv", list(notes)
-    if any(event.event == "amend" for event in events):
+    if details:
         notes.append(
             f"{folder / 'events.csv'}: what older programs amended holds over session.toml"
         )
@@ -236,12 +201,37 @@ def session_of(setup: Setup, events: Sequence[Event], folder: Path, notes: list[
     return replace(session, notes=tuple(notes))
 
 
+def check_session(folder: Path) -> Path:
+    """Return the path of a session's settings; raises BadInput where there is no session."""
+    path = folder / "session.toml"
+    if not path.exists():
+        raise BadInput(
+            f"{folder}: no session here (no session.toml); `serpenoid calibrate new {folder}` "
+            "begins one"
+        )
+    return path
+
+
 def read_events(folder: Path, notes: list[str]) -> list[Event]:
     """Return a session's events in the order they were written; raises BadInput."""
+    kinds = [
+        "start",
+        "end",
+        "pause",
+        "resume",
+        "amend",
+        "void",
+        "restore",
+        "undo",
+        "skip",
+        "unskip",
+        "note",
+        "connect",
+    ]
     events = []
     for row in rows_in(folder / "events.csv", EVENT_COLUMNS, notes):
         with located(row["where"]):
-            event = check_choice("event", row["event"], EVENTS)
+            event = check_choice("event", row["event"], kinds)
             number = whole_number("reading", row["reading"]) if row["reading"] else 0
             events.append(Event(row["time_utc"], event, number, row["detail"]))
     return events
@@ -310,7 +300,8 @@ def _numbered(path: Path, notes: list[str]) -> Numbered:
                 raise BadInput(
                     f"replaces is {row['replaces']}, but there is no such reading before this one"
                 )
-        rows[number] = {**row, "kind": OLD_KINDS.get(row["kind"], row["kind"])}
+        kind = "push" if row["kind"] == "coast" else row["kind"]  # its name in older files
+        rows[number] = {**row, "kind": kind}
     return rows
 
 

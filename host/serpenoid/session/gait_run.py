@@ -13,9 +13,6 @@ from .declaration import Observation, number_field, word_field
 from .settings import MAX_SPEED_M_S, Instruments
 from .track import Track
 
-RUN_WAYS = ("level", "there", "back")  # along the line of the pushes, where a floor slopes
-TRACK = ("t_s", "x_m", "y_m", "heading_rad", "joint*_rad")
-
 
 @dataclass(frozen=True)
 class Crawl(Observation):
@@ -31,7 +28,7 @@ class Crawl(Observation):
     omega_rad_s: float = number_field(0.0, 1000.0, open_low=True)
     speed_m_s: float = number_field(0.0, MAX_SPEED_M_S)
     speed_sigma_m_s: float = number_field(0.0, MAX_SPEED_M_S, open_low=True)
-    way: str = word_field(*RUN_WAYS)
+    way: str = word_field("level", "there", "back")
 
     @property
     def commanded(self) -> Gait:
@@ -90,7 +87,7 @@ class FilmReading(Crawl):
     """
 
     kind = "video"
-    columns = TRACK
+    columns = ("t_s", "x_m", "y_m", "heading_rad", "joint*_rad")
 
     offset_rad: float = number_field(-180.0, 180.0, default=0.0)
     gain_sigma: float = number_field(0.0, 2.0, default=0.0)
@@ -114,11 +111,6 @@ class FilmReading(Crawl):
         )
 
     @property
-    def mean_gain(self) -> float:
-        """Return the joints' mean amplitude over the commanded one."""
-        return mean(self._joints[0])
-
-    @property
     def _joints(self) -> tuple[list[float], list[float]]:
         """Return gains and shifts, degrees, one a joint; raises BadInput."""
         try:
@@ -138,5 +130,5 @@ class FilmReading(Crawl):
         """Return title and values."""
         return f"film {gait_name(self.commanded)}", (
             f"{self.speed_m_s:.5f} ± {self.speed_sigma_m_s:.5f} m/s, "
-            f"joints {100 * self.mean_gain:.1f} %"
+            f"joints {100 * mean(self.gait.joint_gain):.1f} %"
         )

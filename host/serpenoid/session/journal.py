@@ -129,25 +129,26 @@ class Journal:
         self, number: int, kind: str, cells: Cells, comment: str, samples: Samples | None = None
     ) -> dict[str, str]:
         """Return the row of a reading, whose track is on the disk then; raises BadInput."""
-        setup, track = self.session.setup, self.check(kind, cells, samples)
-        cells = {**cells, LINKS: setup.robot.links}
-        cells.pop(PLACES, None)
+        row, track = self.check(kind, cells, samples)
         if track is not None:
             words = track.write(self.folder, number), track.sha256
-            cells |= dict(zip(TRACK_WORDS, words, strict=True))
-        return reading_row(kind, cells, setup.plan) | {
+            row["more"] += "".join(map(" {}={}".format, TRACK_WORDS, words))
+        return row | {
             "reading": str(number),
             "time_utc": utc_now(),
             "setup": "1",
             "comment": comment,
         }
 
-    def check(self, kind: str, cells: Cells, samples: Samples | None = None) -> Track | None:
-        """Return the track of a reading; raises BadInput for one that add() would not take."""
-        cells, declared = dict(cells), kind_of(kind)
+    def check(
+        self, kind: str, cells: Cells, samples: Samples | None = None
+    ) -> tuple[dict[str, str], Track | None]:
+        """Return row and track of a reading; raises BadInput for one that add() would not take."""
+        setup, declared = self.session.setup, kind_of(kind)
+        cells = {**cells, LINKS: setup.robot.links}
         if declared.columns and (places := cells.pop(PLACES, "")):
             samples = typed_track(str(places))
-        row, sha256 = reading_row(kind, cells), cells.get("film_sha256")
+        row, sha256 = reading_row(kind, cells, setup.plan), cells.get("film_sha256")
         for film in self.session.kept_films:
             if sha256 and film.film_sha256 == sha256:
                 raise BadInput(f"reading {film.number} is of this film already")
@@ -160,7 +161,7 @@ class Journal:
         common: dict[str, Any] = {"number": 1} | ({"track": track} if track is not None else {})
         if doubt := make_reading(row, common).doubt():
             raise BadInput(doubt)
-        return track
+        return row, track
 
     def _check_number(self, reading: int) -> None:
         """Raise BadInput unless there is a reading of this number."""

@@ -10,22 +10,11 @@ import numpy as np
 from ..base.checks import count_text
 from ..base.errors import BadInput
 from ..model.bends import BENDS
-from .declaration import (
-    LENGTH_UNITS,
-    Observation,
-    Range,
-    number_field,
-    word_field,
-)
+from .declaration import Observation, number_field, word_field
 from .settings import MAX_LAMBDA_DEG, MAX_PLACE_SIGMA_M
 from .track import TRACK, Floats, Track
 
 WAYS = ("there", "back")
-FEWEST_SAMPLES = 3  # places of a track, so that it tells a speed and how it falls
-MAX_PUSH_M_S = 3.0  # speed at the start; robots of this size are pushed at 0.3 to 1.5 m/s
-MAX_PUSH_M = 10.0  # until it rests
-LIKELY_M_S: Range = (0.2, MAX_PUSH_M_S)
-LIKELY_M: Range = (0.1, MAX_PUSH_M)
 
 
 @dataclass(frozen=True)
@@ -99,10 +88,11 @@ class Push(Observation):
             )
         if self.track is not None and self.source == "rest":
             raise BadInput(f"push {self.number} has a track; say by=film")
-        if self.track is not None and len(self.counted[0]) < FEWEST_SAMPLES:
+        count, min_count = len(self.counted[0]), 3  # which tell a speed, and how it falls
+        if self.track is not None and count < min_count:
             raise BadInput(
-                f"push {self.number} has {count_text(len(self.counted[0]), 'sample')} between "
-                f"start_s and end_s; {FEWEST_SAMPLES} at least"
+                f"push {self.number} has {count_text(count, 'sample')} between start_s and end_s; "
+                f"{min_count} at least"
             )
 
     def doubt(self) -> str:
@@ -138,16 +128,10 @@ class Push(Observation):
 
 def unlikely_push(speed_m_s: float, way_m: float) -> str:
     """Return why a push cannot be so fast or so long; "" if it can."""
-    if speed_m_s <= MAX_PUSH_M_S and way_m <= MAX_PUSH_M:
+    max_m_s, max_m = 3.0, 10.0  # robots of this size are pushed at 0.3 to 1.5 m/s
+    if speed_m_s <= max_m_s and way_m <= max_m:
         return ""
-    units = [
-        name
-        for name, length_m in LENGTH_UNITS.items()
-        if LIKELY_M_S[0] <= length_m * speed_m_s <= LIKELY_M_S[1]
-        and LIKELY_M[0] <= length_m * way_m <= LIKELY_M[1]
-    ]
-    instead = f"; likely instead of m: {', '.join(units)}" if units else ""
     return (
-        f"{way_m:.3g} m from {speed_m_s:.3g} m/s is no push: at most {MAX_PUSH_M:g} m and "
-        f"{MAX_PUSH_M_S:g} m/s{instead}"
+        f"{way_m:.3g} m from {speed_m_s:.3g} m/s is no push: at most {max_m:g} m and "
+        f"{max_m_s:g} m/s; is its unit right?"
     )

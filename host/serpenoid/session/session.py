@@ -14,13 +14,14 @@ from pathlib import Path
 from statistics import mean
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..base.checks import count_text
 from .gait_run import Crawl, FilmReading, GaitRun
 from .push import Push
 from .settings import Setup
 from .station import Reading, ZeroReading, bent_share
 
-ANY_BELT = 0.07  # sigma of a belt's true speed over the one shown, before a mark on it was timed
 NO_BELT = "The belt's speed was not checked"
 
 
@@ -151,19 +152,19 @@ class Session:
     def belt_scale(self) -> tuple[float, float]:
         """Return the belt's true speed over the one shown, and its standard deviation.
 
-        The mean of the checks by mark and stopwatch and of what any belt may be: 1 within ANY_BELT,
-        or within what the instruments state where that is more. Readings that were regenerated from
+        The mean of the checks by mark and stopwatch and of what any belt may be: 1 within 7 %, or
+        within what the instruments state where that is more. Readings that were regenerated from
         published fits, whose belt nobody can check, are taken as their instruments state.
         """
         stated = self.setup.instruments.belt_scale_sigma
         if self.setup.provenance.kind != "regenerated":
-            stated = max(stated, ANY_BELT)
-        scales = [*([(1.0, stated)] if stated else []), *belt_checks(self)]
-        if not scales:
+            stated = max(stated, 0.07)
+        checks = [(1.0, stated)] * bool(stated) + belt_checks(self)
+        if not checks:
             return 1.0, 0.0
-        weights = [max(sigma, 1e-6) ** -2 for _, sigma in scales]
-        scale = sum(w * s for w, (s, _) in zip(weights, scales, strict=True)) / sum(weights)
-        return scale, sum(weights) ** -0.5
+        scales, sigmas = np.transpose(checks)
+        weights = np.maximum(sigmas, 1e-6) ** -2.0
+        return float(np.average(scales, weights=weights)), float(weights.sum() ** -0.5)
 
     @property
     def zero(self) -> Zero:

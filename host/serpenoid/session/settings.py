@@ -19,7 +19,6 @@ from ..model.bends import BENDS
 from ..model.gait import Gait
 from ..model.robot import MAX_DENSITY_KG_M3, MAX_LINKS, Robot
 from .declaration import (
-    BELT_UNITS,
     SettingsTable,
     in_si,
     in_si_units,
@@ -28,10 +27,7 @@ from .declaration import (
     word_field,
 )
 
-FORMAT = 2
 ASSUMED_LINK_KG = 0.0756  # the 2005 robot's, where nobody has weighed this one
-NOT_WEIGHED = 0.05  # relative standard deviation of a mass that is an assumption
-LATER = ("mass_kg", "supply_v")  # settings that may stay empty until somebody has measured them
 # Beyond these a number is a slip of units, not a reading: the joints end before 60 degrees, the
 # snake tumbles before 45, and no treadmill runs faster than 10 m/s.
 MAX_LAMBDA_DEG, MAX_INCLINE_DEG, MAX_SPEED_M_S = 60.0, 45.0, 10.0
@@ -231,7 +227,9 @@ class Instruments(SettingsTable):
         note="what the treadmill can be set to",
     )
     belt_speed_unit: str = word_field(
-        *BELT_UNITS,
+        "m/s",
+        "km/h",
+        "mph",
         words="unit of the belt's speed (m/s, km/h, mph)",
         note="that the treadmill shows: of a speed typed without one",
     )
@@ -375,14 +373,15 @@ class Setup:
             f"{treadmill * (self.plan.on != 'floor')}bends ± {tools.lambda_sigma_deg:.2g} deg, "
             f"joints ± {tools.joint_sigma_deg:.2g} deg"
         )
-        empty = [key for key in LATER if getattr(self.robot_table, key) is None]
+        later = "mass_kg", "supply_v"  # empty until somebody has measured them
+        empty = [key for key in later if getattr(self.robot_table, key) is None]
         return text + (f"; still to be filled in: {', '.join(empty)}" if empty else "")
 
     @property
     def mass_sigma(self) -> float:
         """Return the relative standard deviation of the mass; 5 % where it was not weighed."""
         stated = self.instruments.mass_sigma
-        return stated if self.robot_table.weighs else max(stated, NOT_WEIGHED)
+        return stated if self.robot_table.weighs else max(stated, 0.05)
 
     @property
     def weight_n(self) -> float:
@@ -391,19 +390,14 @@ class Setup:
 
     def text(self, program: str, created_utc: str) -> str:
         """Return session.toml."""
-        head = TEXT.format(*(toml_text(text) for text in (self.name, program, created_utc)))
+        head = (
+            "# How this session is set up. Correct here what is mistyped, and fill in what is "
+            "empty: it holds for\n# all readings of the session, and the next fit takes it. "
+            "Another robot, surface or instrument is\n# another session.\nformat = 2\n"
+            f"name = {toml_text(self.name)}\nprogram = {toml_text(program)}\n"
+            f"created_utc = {toml_text(created_utc)}\n"
+        )
         return head + "".join(f"\n[{name}]\n{t.text()}" for name, t in self.tables.items())
-
-
-TEXT = """\
-# How this session is set up. Correct here what is mistyped, and fill in what is empty: it holds for
-# all readings of the session, and the next fit takes it. Another robot, surface or instrument is
-# another session.
-format = 2
-name = {}
-program = {}
-created_utc = {}
-"""
 
 
 def changes(earlier: Setup, setup: Setup) -> list[str]:
@@ -417,15 +411,12 @@ def changes(earlier: Setup, setup: Setup) -> list[str]:
     return lines
 
 
-AMENDED = ("robot", "laboratory", "plan", "provenance")  # tables, by older programs
-
-
 def amended(top: Table, details: Sequence[str], path: Path) -> Table:
     """Return session.toml with the amendments that older programs kept in events.csv put in.
 
     Raises BadInput where instruments changed: a session has one set of them.
     """
-    values = dict(top.values)
+    values, tables = dict(top.values), ("robot", "laboratory", "plan", "provenance")
     with located(str(path)):
         for detail in details:
             try:
@@ -433,10 +424,10 @@ def amended(top: Table, details: Sequence[str], path: Path) -> Table:
             except ValueError as error:
                 raise BadInput(f"the amendment {detail!r} is not TOML: {error}") from error
             for name, part in change.items():
-                if name not in AMENDED or not isinstance(part, dict):
+                if name not in tables or not isinstance(part, dict):
                     raise BadInput(
                         f"the amendment {detail!r} is of {name!r}; a session has one set of "
-                        f"instruments, and only {', '.join(AMENDED)} were amended. If session.toml "
+                        f"instruments, and only {', '.join(tables)} were amended. If session.toml "
                         "was mistyped, correct it there, and take that line out of events.csv; "
                         "other instruments are another session"
                     )

@@ -18,8 +18,6 @@ from .track import PLACES, TRACK, Track, typed_track
 # Belt speed below which stations are biased: each correction of the steering shakes loose wheels
 # that would stick, so that dry friction across comes out smaller than that of sliding wheels.
 MIN_SLIP_M_S = 0.12
-BELT_SCALES = (0.5, 2.0)  # Limits of true over shown speed; outside them a unit was mistaken.
-LIKELY_ZERO_DEG = (-5.0, 5.0)  # Expected inclines where the inclinometer's zero is checked.
 
 
 @dataclass(frozen=True)
@@ -118,13 +116,13 @@ class ZeroReading(Observation):
     fitted = True
 
     incline_rad: float = number_field(
-        -MAX_INCLINE_DEG, MAX_INCLINE_DEG, words="it shows", likely=LIKELY_ZERO_DEG
+        -MAX_INCLINE_DEG, MAX_INCLINE_DEG, words="it shows", likely=(-5.0, 5.0)
     )
     reversed_rad: float = number_field(
         -MAX_INCLINE_DEG,
         MAX_INCLINE_DEG,
         words="turned, it shows",
-        likely=LIKELY_ZERO_DEG,
+        likely=(-5.0, 5.0),
         why="the zero would be beyond 0.5 deg: was a sign forgotten?",
     )
     at_start: bool = True
@@ -195,10 +193,11 @@ class BeltCheck(Observation):
     )
 
     def __post_init__(self) -> None:
-        if not self.voided and not BELT_SCALES[0] < self.scale < BELT_SCALES[1]:
+        low, high = 0.5, 2.0  # beyond them a unit was mistaken
+        if not self.voided and not low < self.scale < high:
             raise BadInput(
                 f"the belt ran {self.scale:.3g} times as fast as it showed in reading "
-                f"{self.number}; it must be {BELT_SCALES[0]:g} to {BELT_SCALES[1]:g}; check the "
+                f"{self.number}; it must be {low:g} to {high:g}; check the "
                 "units, and count all turns"
             )
 

@@ -21,13 +21,9 @@ from ..base.files import csv_rows, read_text, write_text
 FOLDER = "tracks"
 TRACK = ("t_s", "x_m", "y_m")
 PLACES = "places"  # cell of a typed track
-STAR = "*"  # mark in the last column's name: any number of such columns
 Floats = NDArray[np.float64]
 Samples = Sequence[Sequence[float]] | Floats
-LEAST_S, MOST_S, FEWEST_PLACES = 1.0, 60.0, 3
-MIN_SCATTERS = 20.0  # shortest way, in the scatter of a place, that has a direction
 EXAMPLE = "0:0 2:0.045 4:0.13"
-_PAIR = re.compile(r"(\d+(?:[.,]\d*)?):([+-]?\d*[.,]?\d+)")
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,14 +45,17 @@ class Track:
         A last column with a star stands for any number of them; there NaN says "not seen".
         """
         samples = np.array(values, dtype=np.float64)
-        names = _named(columns, samples.shape[-1] if samples.ndim else 0)
+        *fixed, last = columns
+        numbers = range(1, samples.shape[-1] - len(fixed) + 1) if samples.ndim else ()
+        joints = [last.replace("*", str(k)) for k in numbers] if "*" in last else [last]
+        names = *fixed, *joints
         if samples.shape[1:] != (len(names),) or len(samples) <= 1:
             raise BadInput(
                 f"a track of {samples.shape} is none; it must be (samples, {len(columns)}) for "
                 f"{', '.join(columns)}, with two samples at least"
             )
-        always = len(columns) - columns[-1].count(STAR)
-        if np.isinf(samples).any() or np.isnan(samples[:, :always]).any():
+        seen_always = samples[:, : len(columns) - last.count("*")]
+        if np.isinf(samples).any() or np.isnan(seen_always).any():
             raise BadInput("a track has a sample that is no finite number; leave that sample out")
         text = _text(names, samples)
         samples.flags.writeable = False
@@ -93,14 +92,6 @@ def read_track(path: Path, columns: tuple[str, ...], sha256: str) -> Track:
     return Track.from_samples(columns, [[float(cell) for cell in row] for row in rows[1:]])
 
 
-def _named(columns: tuple[str, ...], count: int) -> tuple[str, ...]:
-    """Return the names of so many columns: 1, 2, ... for the star in the last one."""
-    *first, last = columns
-    if STAR not in last:
-        return columns
-    return (*first, *(last.replace(STAR, str(k + 1)) for k in range(count - len(first))))
-
-
 def _text(columns: tuple[str, ...], values: Floats) -> str:
     lines = [",".join(f"{value:.9g}" for value in row) for row in values.tolist()]
     return "\n".join([",".join(columns), *lines]) + "\n"
@@ -113,8 +104,9 @@ def typed_track(text: str) -> Floats:
     """
     line = text.replace("−", "-").strip()
     parts = re.split(r"[\s;/]+|,(?=\s)", line) if re.search(r"[\s;/]", line) else line.split(",")
-    matches = [_PAIR.fullmatch(part) for part in parts if part]
-    if not all(matches) or len(matches) < FEWEST_PLACES:
+    pair, min_places = r"(\d+(?:[.,]\d*)?):([+-]?\d*[.,]?\d+)", 3
+    matches = [re.fullmatch(pair, part) for part in parts if part]
+    if not all(matches) or len(matches) < min_places:
         raise BadInput(
             f"{text!r} is no track; type three places or more as seconds:metres, uphill +, such "
             f"as {EXAMPLE}"
@@ -123,9 +115,10 @@ def typed_track(text: str) -> Floats:
     track = np.insert(np.array(pairs) - pairs[0], 2, 0.0, axis=1)
     if not (np.diff(track[:, 0]) > 0.0).all():
         raise BadInput(f"the times of {text!r} must rise from place to place")
-    if not LEAST_S <= track[-1, 0] <= MOST_S:
+    min_s, max_s = 1.0, 60.0
+    if not min_s <= track[-1, 0] <= max_s:
         raise BadInput(
-            f"{text!r} lasts {track[-1, 0]:g} s; it must be {LEAST_S:g} to {MOST_S:g} s; "
+            f"{text!r} lasts {track[-1, 0]:g} s; it must be {min_s:g} to {max_s:g} s; "
             "a robot that holds longer is read with its drift alone"
         )
     return track
@@ -149,7 +142,8 @@ def curved_path(along_m: Floats, left_m: Floats, sigma_m: float) -> tuple[Floats
     along_m, left_m: places on the chord. The path is a parabola through them, so that their scatter
     across adds nothing to the way; on too short a way it is the chord.
     """
-    if np.ptp(along_m) < MIN_SCATTERS * sigma_m:
+    min_scatters = 20.0  # shorter ways, in the scatter of a place, have no direction
+    if np.ptp(along_m) < min_scatters * sigma_m:
         return along_m, np.zeros_like(along_m)
     slope = np.polyder(np.polyfit(along_m, left_m, 2))
     longer_m = np.polyval(np.polyint(0.5 * np.polymul(slope, slope)), along_m)

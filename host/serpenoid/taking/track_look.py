@@ -93,7 +93,7 @@ def look_at(track: Floats, slips: bool) -> Look:
     max_turn_deg = 30.0 if slips else 10.0
     last_m_s = first_m_s - law[2] * way_m - law[3] * time[-1]
     if unlikely := unlikely_push(first_m_s, way_m):
-        raise BadInput(f"{unlikely}; is its unit right?")
+        raise BadInput(unlikely)
     doubts = {
         "the track ends before the robot rests: film on until it does": stop >= len(t) - 1,
         f"it rolled {way_m:.2f} m in {time[-1]:.2f} s only: push harder, {min_way_m} m at least": (

@@ -68,7 +68,7 @@ def test_a_push_that_is_none_is_void_and_says_why(take, rows, doubt):
 
 
 def test_what_is_no_push_at_all_is_refused(take):
-    for scale, says in ((0.001, "no place moves"), (100.0, "likely instead of m: cm")):
+    for scale, says in ((0.001, "no place moves"), (100.0, "10 m and 3 m/s; is its unit right?")):
         status, said, folder = take(ROWS * [1.0, scale, scale])
         assert (status, says in said) == (2, True), said
     assert not (folder / "tracks").exists()
