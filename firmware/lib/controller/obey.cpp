@@ -164,10 +164,10 @@ Refusal Controller::change_trim(const Command& command) {
     int32_t& value_u = settings_.trim_u[command.joint][command.field];
     const int32_t old_value_u = value_u;
     value_u = command.value_u[0];
-    int32_t beyond_us;
-    if (!within_pulses(settings_.trim_u[command.joint], beyond_us)) {
+    int32_t limit_us;
+    if (!within_pulses(settings_.trim_u[command.joint], limit_us)) {
         value_u = old_value_u;
-        return Refusal(Error::Range, "pulse_ms", beyond_us * 1000, kMinPulseUs * 1000L,
+        return Refusal(Error::Range, "pulse_ms", limit_us * 1000, kMinPulseUs * 1000L,
                        kMaxPulseUs * 1000L);
     }
     configure();

@@ -48,10 +48,10 @@ int32_t pulse_at(const int32_t (&trim_u)[kTrimFieldCount], TrimField limit) {
     return pulse_us(trim, limit == kLow ? trim.low_q14 : trim.high_q14);
 }
 
-bool within_pulses(const int32_t (&trim_u)[kTrimFieldCount], int32_t& beyond_us) {
+bool within_pulses(const int32_t (&trim_u)[kTrimFieldCount], int32_t& limit_us) {
     for (uint8_t f = kLow; f <= kHigh; ++f) {
-        beyond_us = pulse_at(trim_u, static_cast<TrimField>(f));
-        if (beyond_us < kMinPulseUs || beyond_us > kMaxPulseUs) return false;
+        limit_us = pulse_at(trim_u, static_cast<TrimField>(f));
+        if (limit_us < kMinPulseUs || limit_us > kMaxPulseUs) return false;
     }
     return true;
 }

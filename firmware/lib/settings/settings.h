@@ -1,4 +1,4 @@
-// What the owner of a robot sets: motion settings and the trim of each servo, in the wire's units.
+// The owner's settings: motion settings and the trim of each servo, in the units of the protocol.
 #pragma once
 
 #include <stdint.h>
@@ -10,29 +10,29 @@
 
 namespace firmware {
 
-// A plain block of int32: it goes to EEPROM as it is (both ends are little-endian AVRs).
+// A plain block of int32, saved to EEPROM byte by byte; all boards are little-endian AVRs.
 struct Settings {
     int32_t value_u[kSettingCount];
     int32_t trim_u[kMaxJoints][kTrimFieldCount];
 };
 
-// In place: a copy would be the largest thing on the stack.
+// In place, because a copy would need most of the stack.
 void set_defaults(Settings& settings);
 
-// One servo's trim in the units of the per-frame code, from its fields on the wire.
+// The trim of a servo in the units of pulse_us (pulse.h), from its protocol fields.
 Trim trim_of(const int32_t (&trim_u)[kTrimFieldCount]);
 
-// All ramps and limits, in place; `frame_us` is given.
+// Set all ramps and limits in place, except `frame_us`, which they depend on.
 void set_limits(MotionLimits& limits, const Settings& settings);
 
-// The pulse a joint's limit leads to, in µs.
+// The pulse at one limit of a joint, µs.
 int32_t pulse_at(const int32_t (&trim_u)[kTrimFieldCount], TrimField limit);
 
-// Pulses that the servos may ever be sent.
+// Limits of any pulse, µs.
 const int16_t kMinPulseUs = 500;
 const int16_t kMaxPulseUs = 2500;
 
-// Whether both limits of a joint can be reached by such a pulse; `beyond_us` is one that cannot.
-bool within_pulses(const int32_t (&trim_u)[kTrimFieldCount], int32_t& beyond_us);
+// Whether the pulses at both limits of a joint are allowed; limit_us is one that is not.
+bool within_pulses(const int32_t (&trim_u)[kTrimFieldCount], int32_t& limit_us);
 
 }  // namespace firmware

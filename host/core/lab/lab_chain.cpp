@@ -1,4 +1,4 @@
-// The steps of lab_chain.hpp.
+// Starts and steps of lab_chain.hpp.
 #include "lab/lab_chain.hpp"
 
 #include <algorithm>
@@ -11,12 +11,12 @@ namespace serpenoid {
 
 namespace {
 
-constexpr double kAtRest = 1e-5;     // m/s: a wheel that rests has less
-constexpr double kNoChange = 1e-20;  // J: of an impulse times the speed that it changes
-constexpr double kUnmoved = 1e-24;   // 1/kg: an impulse that moves nothing
+constexpr double kRestSpeed = 1e-5;     // m/s, limit below which a wheel is at rest
+constexpr double kEnergyError = 1e-20;  // J, impulse times speed change that ends the sweeps
+constexpr double kImmobile = 1e-24;     // 1/kg, inverse mass of a contact that cannot move
 constexpr int kMaxSweeps = 3000;
-constexpr double kNever = 1e30;         // s
-constexpr double kStepRounding = 1e-9;  // of a step: so much more time takes no step more
+constexpr double kNever = 1e30;         // s, time since an update that has not happened
+constexpr double kStepRounding = 1e-9;  // rounding of a duration, as a fraction of a step
 
 }  // namespace
 
@@ -33,8 +33,8 @@ LabChain::LabChain(const Robot& robot, std::vector<LabLink> links, std::optional
       max_rate_(n_ - 1),
       duty_(n_ - 1),
       torque_(n_ - 1),
-      led_rate_(n_),
-      turns_(size_ - 2, std::vector<double>(n_, servo ? 0.0 : 1.0)),
+      imposed_rate_(n_),
+      rates_by_(size_ - 2, std::vector<double>(n_, servo ? 0.0 : 1.0)),
       u_(size_),
       mass_(size_ * size_),
       right_(size_),
@@ -45,7 +45,7 @@ LabChain::LabChain(const Robot& robot, std::vector<LabLink> links, std::optional
       contact_(servo ? 3 * n_ - 1 : 2 * n_) {
     for (Contact& contact : contact_) contact.row.assign(size_, 0.0);
     for (int i = 0; i < n_; ++i) {
-        if (servo) turns_[i][i] = 1;
+        if (servo) rates_by_[i][i] = 1;
         link_[i].row.assign(size_, 0.0);
         link_[i].row[servo ? i + 2 : 2] = 1;
     }
@@ -79,13 +79,13 @@ void LabChain::aim(const std::vector<double>& angle, double rate) {
     std::fill(max_rate_.begin(), max_rate_.end(), rate);
 }
 
-// The chain as it stands, its joints at rest; no wheel is known to stick.
+// Start from the present shape and velocity, with joints at rest and no contact impulses.
 void LabChain::restart() {
-    std::fill(led_rate_.begin(), led_rate_.end(), 0.0);
+    std::fill(imposed_rate_.begin(), imposed_rate_.end(), 0.0);
     since_update_ = kNever;
-    shape(0);
+    set_wheel_rows(0);
     for (Contact& contact : contact_) contact.impulse = 0;
-    settle();
+    set_speeds();
 }
 
 bool LabChain::advance(double duration, double h) {
@@ -103,14 +103,14 @@ bool LabChain::follow(const std::vector<double>& angle, double duration, double 
 
 bool LabChain::step(double h) {
     if (servo_)
-        control(h);
+        update_duties(h);
     else
         turn_joints(h);
-    shape(h);
-    bodies(h);
-    if (servo_) drive(h);
-    resist(h);
-    if (!sweep()) return false;
+    set_wheel_rows(h);
+    add_bodies(h);
+    if (servo_) add_servos(h);
+    add_friction(h);
+    if (!solve()) return false;
     x_ += h * u_[0];
     y_ += h * u_[1];
     for (int i = 0; i < n_; ++i) theta_[i] += h * link_[i].speed;
@@ -121,12 +121,13 @@ bool LabChain::step(double h) {
 void LabChain::turn_joints(double h) {
     for (int i = 0; i + 1 < n_; ++i) {
         const double rate = (goal_[i] - joint_angle(i)) / h;
-        led_rate_[i + 1] = led_rate_[i] + std::clamp(rate, -max_rate_[i], max_rate_[i]);
+        imposed_rate_[i + 1] = imposed_rate_[i] + std::clamp(rate, -max_rate_[i], max_rate_[i]);
     }
 }
 
-// The loops' duties: held between two updates, or new in every step.
-void LabChain::control(double h) {
+// Duties of the servos' loops, constant between two updates; without an update rate, new every
+// step.
+void LabChain::update_duties(double h) {
     const double hz = servo_->update_hz;
     const bool due = hz == 0 || since_update_ * hz >= 1 - 0.5 * h * hz;
     for (int i = 0; due && i + 1 < n_; ++i)
@@ -135,27 +136,27 @@ void LabChain::control(double h) {
     since_update_ += h;
 }
 
-// The wheels' rows in the shape of the middle of the step, and what led joints and ground add.
-void LabChain::shape(double h) {
+// Rows of the wheels at the shape in the middle of the step; offsets by imposed joints and ground.
+void LabChain::set_wheel_rows(double h) {
     std::vector<double> angle = theta_;
     for (int i = 0; i < n_; ++i) {
-        link_[i].offset = led_rate_[i];
+        link_[i].offset = imposed_rate_[i];
         angle[i] += 0.5 * h * (link_[i].offset + dot(link_[i].row.data(), u_.data(), size_));
     }
-    point(angle);
-    for (std::size_t j = 0; j < turns_.size(); ++j) {
-        const std::vector<double>& speed = turning(turns_[j]);
+    set_directions(angle);
+    for (std::size_t j = 0; j < rates_by_.size(); ++j) {
+        const std::vector<double>& speed = wheel_speeds(rates_by_[j]);
         for (int k = 0; k < 2 * n_; ++k) contact_[k].row[j + 2] = speed[k];
     }
-    const std::vector<double>& speed = turning(led_rate_);
+    const std::vector<double>& speed = wheel_speeds(imposed_rate_);
     for (int k = 0; k < 2 * n_; ++k) {
         Contact& wheel = contact_[k];
         wheel.offset = speed[k] - wheel.row[0] * ground_x_ - wheel.row[1] * ground_y_;
     }
 }
 
-// Links at these angles: the wheels' rows for the velocity of the centre.
-void LabChain::point(const std::vector<double>& angle) {
+// Directions of the links at these angles, and the rows of the wheels for the centre's velocity.
+void LabChain::set_directions(const std::vector<double>& angle) {
     for (int i = 0; i < n_; ++i) {
         c_[i] = std::cos(angle[i]);
         s_[i] = std::sin(angle[i]);
@@ -167,8 +168,8 @@ void LabChain::point(const std::vector<double>& angle) {
     }
 }
 
-// The speeds of all wheels where links turn at these rates about the resting centre of mass.
-const std::vector<double>& LabChain::turning(const std::vector<double>& rate) {
+// The speeds of all wheels if the links turn at these rates and the centre of mass is at rest.
+const std::vector<double>& LabChain::wheel_speeds(const std::vector<double>& rate) {
     double mean_x = 0;
     double mean_y = 0;
     for (const bool total : {true, false}) {
@@ -190,7 +191,7 @@ const std::vector<double>& LabChain::turning(const std::vector<double>& rate) {
     return speeds_;
 }
 
-// Add weight/2 (speed - target)^2 to what is minimised.
+// Add weight/2 (speed - target)^2 to the minimised function.
 void LabChain::add_square(const Row& line, double weight, double target) {
     const double* row = line.row.data();
     add(right_.data(), size_, weight * (target - line.offset), row);
@@ -198,7 +199,7 @@ void LabChain::add_square(const Row& line, double weight, double target) {
         if (row[i] != 0) add(&mass_[i * size_ + i], size_ - i, weight * row[i], row + i);
 }
 
-void LabChain::bodies(double h) {
+void LabChain::add_bodies(double h) {
     std::fill(mass_.begin(), mass_.end(), 0.0);
     std::fill(right_.begin(), right_.end(), 0.0);
     for (int i = 0; i < n_; ++i) {
@@ -209,13 +210,13 @@ void LabChain::bodies(double h) {
         add_square(link_[i], robot_.I, link_[i].speed);
     }
     if (!guided_) return;
-    // a link goes along the rails alone, whatever stiff rails would still give way
+    // Exact constraints: stiff rails would still yield a little.
     right_[1] = right_[2] = 0;
     for (Contact& wheel : contact_) wheel.row[1] = wheel.row[2] = 0;
 }
 
-// Rotors, gears, and torques: the motor's line at the end of the step, the loop's duty as it is.
-void LabChain::drive(double h) {
+// Rotors, gears and torques: the motor's torque at the speed at the end of the step, constant duty.
+void LabChain::add_servos(double h) {
     Supply load;
     for (int i = 0; i + 1 < n_; ++i) load.add(*servo_, duty_[i], gear(i).speed);
     const double volts = load.voltage(servo_->supply_sag);
@@ -230,9 +231,9 @@ void LabChain::drive(double h) {
     }
 }
 
-// Wheels: their spin, viscous friction, and bounds of dry impulses. Friction is c |v| + F0 against
-// the motion; at rest it is what holds the wheel, up to F0 times the breakaway.
-void LabChain::resist(double h) {
+// Spin and friction of the wheels. Friction opposes the motion with c |v| + F0; at rest it balances
+// the other forces, up to F0 times the breakaway ratio.
+void LabChain::add_friction(double h) {
     for (int k = 0; k < 2 * n_; ++k) {
         Contact& wheel = contact_[k];
         const LabLink& link = links_[k / 2];
@@ -240,26 +241,26 @@ void LabChain::resist(double h) {
         if (k % 2 == 0) add_square(wheel, link.rolling, wheel.speed);
         wheel.viscous = h * (wheel.speed < 0 ? f.c_back : f.c);
         add_square(wheel, wheel.viscous, 0);
-        const double hold = std::fabs(wheel.speed) < kAtRest ? h * link.breakaway : h;
+        const double hold = std::fabs(wheel.speed) < kRestSpeed ? h * link.breakaway : h;
         wheel.low = -hold * f.f0;
         wheel.high = hold * f.f0_back;
     }
 }
 
-// u and all impulses; false where there is no number.
-bool LabChain::sweep() {
+// Solve for u and all impulses; false if the result is not finite.
+bool LabChain::solve() {
     cholesky(mass_.data(), size_);
-    const auto solve = [&](std::vector<double>& x) {
+    const auto solve_factored = [&](std::vector<double>& x) {
         forward(mass_.data(), size_, x.data());
         backward(mass_.data(), size_, x.data());
     };
     u_ = right_;
-    solve(u_);
+    solve_factored(u_);
     for (Contact& c : contact_) {
         c.response = c.row;
-        solve(c.response);
+        solve_factored(c.response);
         const double inverse = dot(c.row.data(), c.response.data(), size_);
-        c.mass = inverse > kUnmoved ? 1 / inverse : 0;
+        c.mass = inverse > kImmobile ? 1 / inverse : 0;
         c.impulse = std::clamp(c.impulse, c.low, c.high);
         add(u_.data(), size_, c.impulse, c.response.data());
     }
@@ -272,10 +273,10 @@ bool LabChain::sweep() {
             if (change == 0) continue;
             c.impulse += change;
             add(u_.data(), size_, change, c.response.data());
-            changed = changed || change * change > kNoChange * c.mass;
+            changed = changed || change * change > kEnergyError * c.mass;
         }
     }
-    settle();
+    set_speeds();
     for (int k = 0; k < 2 * n_; ++k) {
         const Contact& wheel = contact_[k];
         heat_ += (wheel.viscous * wheel.speed - wheel.impulse) * wheel.speed;
@@ -283,8 +284,8 @@ bool LabChain::sweep() {
     return std::isfinite(u_[0] + u_[1] + u_[2]);
 }
 
-// Speeds of contacts and links by u.
-void LabChain::settle() {
+// Speeds of contacts and links from u.
+void LabChain::set_speeds() {
     const auto set_speed = [&](Row& line) {
         line.speed = line.offset + dot(line.row.data(), u_.data(), size_);
     };
@@ -312,8 +313,9 @@ double LabChain::kinetic() const {
 }
 
 std::vector<double> LabChain::places() {
-    point(theta_);
-    const std::vector<double>& turn = turning(std::vector<double>(n_, 1.0));  // x is vy, y is -vx
+    set_directions(theta_);
+    const std::vector<double>& turn =
+        wheel_speeds(std::vector<double>(n_, 1.0));  // x is vy, y is -vx
     std::vector<double> links;
     for (int i = 0; i < n_; ++i) {
         const double t = turn[2 * i];

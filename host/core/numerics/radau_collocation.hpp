@@ -1,4 +1,4 @@
-// Radau IIA collocation on [0, 1]: nodes, integration matrix, and what dense output needs.
+// Radau IIA collocation on [0, 1]: nodes, integration matrix, and weights for dense output.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace serpenoid {
 
-// s stages, the last at the end: order 2s - 1 there, L-stable.
+// s stages, of which the last is at x = 1. Order 2s - 1 at x = 1; L-stable.
 template <int s>
 struct RadauRule {
     std::array<double, s> c;
@@ -22,7 +22,7 @@ struct RadauRule {
         return instance;
     }
 
-    // Weights of the stages in a polynomial through them.
+    // u(x) = sum w_k Y_k for the polynomial u through the stages.
     std::array<double, s> weights(double x) const {
         std::array<double, s> w = scale_;
         for (int k = 0; k < s; ++k)
@@ -31,7 +31,7 @@ struct RadauRule {
         return w;
     }
 
-    // Weights of the stages, less the start, in u(x) - y_0, u through the start, too.
+    // u(x) - y_0 = sum w_k (Y_k - y_0) for the polynomial u through the start and the stages.
     std::array<double, s> dense(double x) const {
         auto w = weights(x);
         for (int k = 0; k < s; ++k) w[k] *= x * inverse_[k];
@@ -39,7 +39,7 @@ struct RadauRule {
     }
 
   private:
-    // The rule integrates powers below s exactly.
+    // The matrix a follows from the condition that powers of x below s are integrated exactly.
     RadauRule() {
         for (int k = 0; k < s; ++k) c[k] = node(s - 1 - k);
         std::array<double, s * s> powers{}, integrals{};
@@ -59,19 +59,20 @@ struct RadauRule {
             a[k] = integrals[k % s * s + k / s];
             rate[k] = k % (s + 1) == 0;
         }
-        auto of_rates = a;
-        solve_dense<s, s>(of_rates.data(), rate.data());
+        auto matrix = a;
+        solve_dense<s, s>(matrix.data(), rate.data());
     }
 
-    // The i-th zero of P_s - P_{s-1} from the right, by Newton's method; the first is the end.
+    // The i-th zero from the right of P_s - P_{s-1} (Legendre), by Newton's method; node 0 is x
+    // = 1.
     static double node(int i) {
         if (i == 0) return 1;
         double x = std::cos(2 * std::numbers::pi * i / (2 * s - 1));
         for (int iteration = 0; iteration < 100; ++iteration) {
             double p0 = 1, p1 = x, d0 = 0, d1 = 1;
             for (int k = 2; k <= s; ++k) {
-                const double p2 = ((2 * k - 1) * x * p1 - (k - 1) * p0) / k,
-                             d2 = d0 + (2 * k - 1) * p1;
+                const double p2 = ((2 * k - 1) * x * p1 - (k - 1) * p0) / k;
+                const double d2 = d0 + (2 * k - 1) * p1;
                 p0 = p1;
                 p1 = p2;
                 d0 = d1;
@@ -91,7 +92,8 @@ struct RadauRule {
 template <int s>
 class StagePolynomial {
   public:
-    explicit StagePolynomial(const double* values) {  // the start's and the stages'
+    // values: at the start, then at the stages.
+    explicit StagePolynomial(const double* values) {
         const auto& inverse = inverse_gaps();
         for (int k = 0; k <= s; ++k) d_[k] = values[k];
         for (int m = 1; m <= s; ++m)
@@ -115,48 +117,48 @@ class StagePolynomial {
         return slope * x + value;
     }
 
-    // Bernstein's coefficients on [0, 1]: between the least and the largest lie all its values.
+    // Bernstein coefficients on [0, 1]; the values lie between the smallest and the largest one.
     std::array<double, s + 1> bernstein() const {
         const auto& c = RadauRule<s>::get().c;
         std::array<double, s + 1> b{};
         b[0] = d_[s];
-        for (int k = s - 1, degree = 1; k >= 0; --k, ++degree) {  // times (x - z_k), and d_k more
+        for (int k = s - 1, degree = 1; k >= 0; --k, ++degree) {  // b (x - z_k) + d_k
             const double z = k > 0 ? c[k - 1] : 0;
             for (int i = degree; i >= 0; --i) {
-                const double raised = i > 0 ? b[i - 1] * i : 0;
-                const double keep = i < degree ? b[i] * (degree - i) : 0;
-                b[i] = (raised * (1 - z) - keep * z) / degree + d_[k];
+                const double lower = i > 0 ? b[i - 1] * i : 0;
+                const double same = i < degree ? b[i] * (degree - i) : 0;
+                b[i] = (lower * (1 - z) - same * z) / degree + d_[k];
             }
         }
         return b;
     }
 
   private:
-    // 1 / (z_k - z_j), z being 0 and the stages.
+    // 1 / (z_k - z_j), where z_0 = 0 and z_k is stage k - 1.
     static const std::array<double, (s + 1) * (s + 1)>& inverse_gaps() {
         static const auto table = [] {
             const auto& c = RadauRule<s>::get().c;
-            std::array<double, (s + 1) * (s + 1)> t{};
+            std::array<double, (s + 1) * (s + 1)> inverse{};
             for (int k = 1; k <= s; ++k)
                 for (int j = 0; j < k; ++j)
-                    t[k * (s + 1) + j] = 1 / (c[k - 1] - (j > 0 ? c[j - 1] : 0));
-            return t;
+                    inverse[k * (s + 1) + j] = 1 / (c[k - 1] - (j > 0 ? c[j - 1] : 0));
+            return inverse;
         }();
         return table;
     }
 
-    double d_[s + 1];
+    double d_[s + 1];  // divided differences
 };
 
-// A polynomial on a stretch of [0, 1], by Bernstein's coefficients there.
+// A polynomial on a subinterval of [0, 1], by its Bernstein coefficients b on that interval.
 template <int s>
-struct Stretch {
+struct BernsteinInterval {
     double start, end;
     std::array<double, s + 1> b;
 
-    // Cut at the fraction x: keep the second part, return the first one.
-    Stretch cut(double x) {
-        Stretch first{start, start + (end - start) * x, {}};
+    // Split at the fraction x (de Casteljau): keep the second part, return the first one.
+    BernsteinInterval split(double x) {
+        BernsteinInterval first{start, start + (end - start) * x, {}};
         start = first.end;
         for (int k = 0; k <= s; ++k) {
             first.b[k] = b[0];
@@ -165,14 +167,15 @@ struct Stretch {
         return first;
     }
 
-    // The first stretch at whose end it is below `limit`, by halving; `shortest` bounds the search.
-    bool first_below(double limit, double shortest, Stretch& part) const {
+    // Find the first part at whose end the polynomial is below `limit`, by halving down to
+    // min_width.
+    bool first_below(double limit, double min_width, BernsteinInterval& part) const {
         if (*std::min_element(b.begin(), b.end()) >= limit) return false;
         part = *this;
-        if (end - start <= shortest) return b[s] < limit;
-        Stretch second = *this;
-        return second.cut(0.5).first_below(limit, shortest, part) ||
-               second.first_below(limit, shortest, part);
+        if (end - start <= min_width) return b[s] < limit;
+        BernsteinInterval second = *this;
+        return second.split(0.5).first_below(limit, min_width, part) ||
+               second.first_below(limit, min_width, part);
     }
 };
 

@@ -1,4 +1,4 @@
-// Starts and continuation of steady.hpp.
+// The search of steady.hpp: its starts, and its repetition with other tolerances.
 #include "periodic/steady.hpp"
 
 #include <algorithm>
@@ -11,65 +11,66 @@ namespace serpenoid {
 
 namespace {
 
-// Wheels at rest may leave so little of a disturbance that only rounding is left: then a multiplier
-// is known to be small, but not how small.
-SteadyState within_rounding(SteadyState s) {
-    constexpr double kLeast = -30;  // of its logarithm
-    if (s.log_largest_multiplier < kLeast) {
-        s.log_largest_multiplier = kLeast;
-        s.log_multiplier_error = -kLeast;
+// Sticking wheels may damp a disturbance to the size of rounding errors. The largest multiplier is
+// then known to be small, but not its value.
+SteadyState limit_multiplier(SteadyState state) {
+    constexpr double kMinLog = -30;  // least logarithm of a multiplier above rounding errors
+    if (state.log_largest_multiplier < kMinLog) {
+        state.log_largest_multiplier = kMinLog;
+        state.log_multiplier_error = -kMinLog;
     }
-    return s;
+    return state;
 }
 
-constexpr double kSettled = 0.02;  // a cycle's change, over the scales
+constexpr double kSettled = 0.02;  // change in a cycle, in units of the scales, of a settled motion
 
-constexpr double kWidest = 1e-4;  // rtol below which a lost state is searched with ten times it
+constexpr double kMaxRetryRtol = 1e-4;  // rtol below which a failed search is repeated with 10 rtol
 
-// The first tolerance: the second level is then mostly enough.
+// The first tolerance, chosen so that the second level is mostly sufficient.
 double first_tolerance(double rtol) {
-    constexpr double kPart = 0.12;      // of what is asked
-    constexpr double kTightest = 1e-7;  // a loose level before it costs little
-    constexpr double kLoosest = 3e-4;   // Newton's method seldom converges beyond it
-    return std::clamp(kPart * rtol, kTightest, kLoosest);
+    constexpr double kRtolShare = 0.12;
+    constexpr double kMin =
+        1e-7;  // tightest value: a looser level before a tighter one costs little
+    constexpr double kMax = 3e-4;  // loosest value at which Newton's method mostly converges
+    return std::clamp(kRtolShare * rtol, kMin, kMax);
 }
 
 }  // namespace
 
-// Joints at rest give no scales. Disturbances decay as in the smallest waves; speed and power are
-// zero.
+// The state of a gait without amplitude, whose motion gives no scales: speed and power are zero,
+// and disturbances decay as with a very small amplitude.
 SteadyState SteadyByPieces::at_rest(double omega, const SteadyOptions& options) const {
-    constexpr double kSmallWave = 1e-3;  // rad
+    constexpr double kSmallAmplitude = 1e-3;  // rad
     Gait small = gait_;
-    small.alpha = kSmallWave;
-    const SteadyState waving = SteadyByPieces(robot_, ground_, small).solve(omega, options);
+    small.alpha = kSmallAmplitude;
+    const SteadyState moving = SteadyByPieces(robot_, ground_, small).solve(omega, options);
     SteadyState state;
-    state.monodromy = waving.monodromy;
-    state.log_largest_multiplier = waving.log_largest_multiplier;
-    state.log_multiplier_error = waving.log_multiplier_error;
+    state.monodromy = moving.monodromy;
+    state.log_largest_multiplier = moving.log_largest_multiplier;
+    state.log_multiplier_error = moving.log_multiplier_error;
     state.converged = true;
     return state;
 }
 
-// Newton's method mostly needs no settled start. A search that breaks off with one sequence of
-// tolerances mostly succeeds with another. An unstable state is accepted only if a motion led to
-// it. From rest, half of the first cycle's change is applied: the angular momentum of a fast gait
-// hardly changes, but the mirror changes its sign.
+// Newton's method mostly converges from a start that has not settled. If a search fails with one
+// sequence of tolerances, another one mostly succeeds. An unstable state is accepted only if the
+// motion of many cycles led to it. From rest, half of the change in the first cycle is applied: the
+// angular momentum of a fast gait hardly changes, but the mirror image changes its sign.
 void SteadyByPieces::search_from_rest(CycleMap& map, FixedPoint& point, const Acceptance& accepted,
                                       const SteadyOptions& options, SteadyState& best) const {
     struct Try {
-        double tolerance;  // of the first one
+        double tolerance;  // factor on the first tolerance
         int cycles;
     };
     constexpr Try kTries[] = {{1, 4}, {0.03, 4}, {1, 200}, {0.3, 4}, {0.1, 4}, {30, 4}, {100, 4}};
     constexpr int kFewCycles = 4;
-    constexpr double kFollowing = 1e-3;  // tolerance of the cycles before the search
+    constexpr double kCycleTolerance = 1e-3;  // tolerance of the cycles before the search
     bool settled = false;
     for (const auto& [tolerance, cycles] : kTries) {
         const double share = settled ? 1 : 0.5;
         if (!settled) point.start = {0, 0, map.momentum_at_rest() / map.scale()[2]};
         settled = settled || cycles > kFewCycles;
-        if (!point.follow_cycles(cycles, kSettled, kFollowing * tolerance, share)) continue;
+        if (!point.follow_cycles(cycles, kSettled, kCycleTolerance * tolerance, share)) continue;
         SteadyState state = Refinement(map, point, options)
                                 .refine(tolerance * first_tolerance(options.rtol), accepted);
         if (!settled && state.log_largest_multiplier > 0) state.converged = false;
@@ -79,7 +80,7 @@ void SteadyByPieces::search_from_rest(CycleMap& map, FixedPoint& point, const Ac
 }
 
 SteadyState SteadyByPieces::solve(double omega, const SteadyOptions& options, const Vec3* start) {
-    constexpr int kMaxPieces = 600'000;  // of a whole search, over the links: some seconds
+    constexpr int kMaxPieces = 600'000;  // pieces times links in a search, which then takes seconds
     if (gait_.alpha == 0) return at_rest(omega, options);
     gait_.omega = omega;
     const Acceptance accepted(options, robot_, ground_, omega);
@@ -94,14 +95,15 @@ SteadyState SteadyByPieces::solve(double omega, const SteadyOptions& options, co
     promising_ = point.promising();
     last_.reset();
     if (best.converged) last_ = point.start;
-    if (!best.converged && options.rtol < kWidest) {  // where wheels chatter tight pieces break off
+    if (!best.converged &&
+        options.rtol < kMaxRetryRtol) {  // tight tolerances fail where wheels chatter
         SteadyOptions wider = options;
         wider.rtol *= 10;
         const SteadyState rough = solve(omega, wider);
         if (accepted.excess(rough) < accepted.excess(best)) best = rough;
         best.converged = best.converged && accepted(best);
     }
-    return within_rounding(best);
+    return limit_multiplier(best);
 }
 
 }  // namespace serpenoid

@@ -56,9 +56,9 @@ double EventFinder::end_of_wheel(const double* m, double limit) const {
             first = std::min(first, crossing(start, m[j], c[j], m[j + 1]));
         start = c[j];
     }
-    Stretch<kStages> stretch{0, 1, p.bernstein()}, dip;
-    if (first < 1) stretch = stretch.cut(first);
-    if (stretch.first_below(kMarginBetweenStages, kMinDipWidth, dip))
+    BernsteinInterval<kStages> searched{0, 1, p.bernstein()}, dip;
+    if (first < 1) searched = searched.split(first);
+    if (searched.first_below(kMarginBetweenStages, kMinDipWidth, dip))
         first = std::min(first, crossing(dip.start, dip.b[0], dip.end, dip.b[kStages]));
     return first;
 }

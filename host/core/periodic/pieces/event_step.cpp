@@ -1,4 +1,4 @@
-// The convex problem of event_step.hpp and what its solution tells.
+// The convex problem of event_step.hpp, and the mode that its solution shows.
 #include "periodic/pieces/event_step.hpp"
 
 #include <algorithm>
@@ -8,20 +8,21 @@ namespace serpenoid {
 
 namespace {
 
-constexpr double kApart = 1e-13;  // of the speed scale: kinks of equal wheels are moved by less
+constexpr double kMaxShift =
+    1e-13;  // limit of the shifts of kinks, as a fraction of the speed scale
 
 }  // namespace
 
 EventStep::EventStep(const CycleMap& map, SlidingPiece& piece)
     : omega_(map.gait().omega), nm_(map.nm()), scale_(map.scale()), piece_(piece) {
-    for (int c = 1; c <= piece.wheels(); ++c) apart_.push_back(std::fmod(0.6180339887 * c, 1.0));
+    for (int c = 1; c <= piece.wheels(); ++c) shift_.push_back(std::fmod(0.6180339887 * c, 1.0));
 }
 
-// Wheels of a straight chain have one and the same kink, where an active-set method could cycle:
-// each kink is moved by an amount of its own. The wheel that stopped is a
-// little beyond rest, and those that stick drift a little between the stages. The step would take
-// that for a force, and a wheel that rests near its bound would slide on: their kinks are where
-// they are.
+// The wheels of a straight chain all have the same kink, for which an active-set method could
+// cycle; so each kink gets another small shift. The wheel that stopped has a small speed beyond
+// rest, and stuck wheels drift a little between the stages. The step would treat such a speed as
+// the effect of a force, and a wheel near its bound might slide; so the kinks of these wheels are
+// put at it.
 void EventStep::set_kinks(double h, const SlidingMode& last_mode, const ModeEvent& event) {
     const double speed = scale_[0] / nm_;
     kinks_.clear();
@@ -32,13 +33,13 @@ void EventStep::set_kinks(double h, const SlidingMode& last_mode, const ModeEven
         const bool rests = event.wheel >= 0 && (last_mode.sign[wheel] == 0 || wheel == event.wheel);
         const double drift = rests ? direction_[wheel] : 0;
         kinks_.push_back({{g.x, g.y, g.r},
-                          omega_ * g.e - drift + kApart * speed * apart_[kinks_.size()],
+                          omega_ * g.e - drift + kMaxShift * speed * shift_[kinks_.size()],
                           h * piece_.law(wheel).bound()});
         wheel_of_kink_.push_back(wheel);
     }
 }
 
-// The velocity after h seconds from p.
+// Find the velocity after h seconds, from momenta p and velocity u0.
 bool EventStep::solve(const Vec3& p, const Vec3& u0, double h) {
     const SlidingPiece::Node& k = piece_.node(1);
     const double* D = k.D;
@@ -53,7 +54,7 @@ bool EventStep::solve(const Vec3& p, const Vec3& u0, double h) {
     return convex_.solve(H, b, kinks_);
 }
 
-// What friction takes at the end of the step, W.
+// Power dissipated by friction at the end of the step, W.
 double EventStep::dissipation(const Vec3& u) const {
     double watts = piece_.node(1).dissipation(u, omega_);
     for (std::size_t c = 0; c < kinks_.size(); ++c) {
@@ -90,8 +91,8 @@ bool EventStep::take(CycleState& state, double tau, double dtau, double spin,
 
 void EventStep::set_mode(SlidingMode& mode) const {
     mode.count = 0;
-    for (std::size_t c = 0; c < kinks_.size(); ++c) {
-        const int wheel = wheel_of_kink_[c], kink = static_cast<int>(c);
+    for (int kink = 0; kink < static_cast<int>(kinks_.size()); ++kink) {
+        const int wheel = wheel_of_kink_[kink];
         if (convex_.holds(kink) && mode.count < 3) {
             mode.sign[wheel] = 0;
             mode.stuck[mode.count++] = wheel;
@@ -101,15 +102,15 @@ void EventStep::set_mode(SlidingMode& mode) const {
     }
 }
 
-// Put the wheels that stick at rest to the last digit. What the step leaves would be taken for a
-// force over a short piece. Wheels of a straight chain have one and the same row: those stay as
-// they are.
+// Bring the stuck wheels to rest except for rounding; otherwise the next piece, if short, would
+// need a force to stop them. The wheels of a straight chain have equal rows; then nothing is
+// changed.
 void EventStep::put_at_rest(const SlidingMode& mode, CycleState& state) const {
     const Vec3 u = piece_.velocity(piece_.node(1), state.p);
     const Vec3 change = piece_.correction(1, mode, u);
-    double moved = 0;
-    for (int i = 0; i < 3; ++i) moved = std::max(moved, std::fabs(change[i]) / scale_[i]);
-    for (int i = 0; i < 3 && moved < max_correction_; ++i) state.p[i] += change[i];
+    double size = 0;
+    for (int i = 0; i < 3; ++i) size = std::max(size, std::fabs(change[i]) / scale_[i]);
+    for (int i = 0; i < 3 && size < max_correction_; ++i) state.p[i] += change[i];
 }
 
 }  // namespace serpenoid

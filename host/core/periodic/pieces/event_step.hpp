@@ -1,6 +1,6 @@
-// One very short implicit step at an event, without any mode: it finds the mode that follows.
+// One very short step of implicit Euler at an event; its result is the mode after the event.
 //
-// The step is one of implicit Euler, a convex problem (kinked_quadratic.hpp) whose solution says of
+// The step minimises a convex function with kinks (kinked_quadratic.hpp). The minimum shows for
 // every wheel whether it slides or sticks.
 #pragma once
 
@@ -17,16 +17,16 @@ class EventStep {
   public:
     EventStep(const CycleMap& map, SlidingPiece& piece);
 
-    // How much of the scales wheels at rest may be moved by at an event.
+    // Largest correction of p, as a fraction of the scales, that brings stuck wheels to rest.
     void limit_correction(double max_correction) { max_correction_ = max_correction; }
 
-    // Step from tau over dtau and set the mode there, after an event in the mode before. spin: of
-    // the axes of x and y. False where the convex problem cycles. Nodes 0 and 1 of the piece are
-    // then those of both ends.
+    // Step from phase tau to tau + dtau, after an event in last_mode, and set the mode at the end.
+    // spin: rotation of the axes of x and y per phase. Returns false if the convex solver cycles.
+    // Afterwards nodes 0 and 1 of the piece are both ends of the step.
     bool take(CycleState& state, double tau, double dtau, double spin, const SlidingMode& last_mode,
               const ModeEvent& event, SlidingMode& mode);
 
-    void forget() { convex_.forget(); }  // the modes of the last step
+    void forget() { convex_.forget(); }  // discard the modes of the last step
 
   private:
     void set_kinks(double h, const SlidingMode& last_mode, const ModeEvent& event);
@@ -41,8 +41,8 @@ class EventStep {
     KinkedQuadratic3 convex_;
     std::vector<Kink> kinks_;
     std::vector<int> wheel_of_kink_;
-    std::vector<double> apart_;      // by how much each kink is moved, below 1
-    std::vector<double> direction_;  // of every wheel before the step, by its sign
+    std::vector<double> shift_;      // shift of each kink, 0 to 1
+    std::vector<double> direction_;  // speed of every wheel before the step; its sign counts
 };
 
 }  // namespace serpenoid

@@ -106,7 +106,7 @@ void SpectralViscous::add_powers(Batch& batch) {
             TorqueSeries series(mesh, &torque[(j * joints + i) * N],
                                 {alpha_ * table_.cosine(i), alpha_ * table_.sine(i)});
             batch[j].abs_power += cubed * series.mean_absolute();
-            batch[j].abs_error += cubed * series.hidden();
+            batch[j].abs_error += cubed * series.truncation_error();
         }
     }
 }

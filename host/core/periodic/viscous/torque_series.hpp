@@ -1,8 +1,9 @@
-// The torque of one joint over a cycle as a sum of modes, and its work.
+// The torque of one joint over a cycle as a Fourier series, and its work.
 //
-// The torque T = Re sum t_p exp(i p tau) has odd modes only, the joint's rate is Re r exp(i tau).
-// So the power's integral is known in closed form, and that of its size is the sum of its changes
-// from one change of sign to the next, as absolute values. It hardly depends on where these are.
+// The torque T = Re sum t_p exp(i p tau) has odd modes only, and the joint's rate is Re r exp(i
+// tau). So the integral of the power, the work, has a closed form. The integral of |power| is the
+// sum of |change of the work| between the phases at which the power changes its sign; errors of
+// these phases hardly matter.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +17,7 @@ class TorqueSeries {
   public:
     using Complex = std::complex<double>;
 
-    // From the torque at the nodes.
+    // torque: at the nodes of the mesh.
     TorqueSeries(const SpectralMesh& mesh, const double* torque, Complex rate)
         : mesh_(mesh), torque_(torque), rate_(rate), mode_(mesh.nodes / 2), work_(mode_.size()) {
         for (std::size_t p = 0; p < mode_.size(); ++p)
@@ -35,64 +36,66 @@ class TorqueSeries {
         changes_[0] -= std::numbers::pi * std::floor(changes_[0] / std::numbers::pi);
         find_changes();
         std::sort(changes_.begin(), changes_.end());
-        double last = work(changes_.back()) - std::numbers::pi * mean_;
+        double last_work = work(changes_.back()) - std::numbers::pi * mean_;
         double sum = 0;
         for (const double change : changes_) {
-            const double value = work(change);
-            sum += std::fabs(value - last);
-            last = value;
+            const double next_work = work(change);
+            sum += std::fabs(next_work - last_work);
+            last_work = next_work;
         }
         return sum / std::numbers::pi;
     }
 
-    // How much of that the modes may hide that no node resolves, by the last two.
-    double hidden() const {
-        constexpr double kHidden = 0.6;  // of the last two modes: modes fall off geometrically
+    // Estimated error of mean_absolute() by the modes that the mesh does not resolve.
+    double truncation_error() const {
+        constexpr double kTailShare = 0.6;  // tail over the last two modes: a geometric series
         const auto last = mode_.end();
-        return kHidden * std::abs(rate_) * std::sqrt(std::norm(last[-1]) + std::norm(last[-2]));
+        return kTailShare * std::abs(rate_) * std::sqrt(std::norm(last[-1]) + std::norm(last[-2]));
     }
 
   private:
-    // The sum of such modes times exp(2 i tau k), k = 0, 1, ...
-    static Complex sum(const std::vector<Complex>& modes, Complex once) {
-        const Complex twice = once * once;
+    // sum_k modes[k] exp(2 i tau k), by Horner's rule; wave = exp(i tau).
+    static Complex sum(const std::vector<Complex>& modes, Complex wave) {
+        const Complex squared = wave * wave;
         Complex total = modes.back();
-        for (std::size_t p = modes.size() - 1; p-- > 0;) total = total * twice + modes[p];
+        for (std::size_t p = modes.size() - 1; p-- > 0;) total = total * squared + modes[p];
         return total;
     }
     double torque(double tau) const {
-        const Complex once = std::polar(1.0, tau);
-        return (sum(mode_, once) * once).real();
+        const Complex wave = std::polar(1.0, tau);
+        return (sum(mode_, wave) * wave).real();
     }
-    // Integral of the power.
+    // The integral of the power over the phase.
     double work(double tau) const {
-        const Complex once = std::polar(1.0, tau);
-        return mean_ * tau + (sum(work_, once) * once * once).imag();
+        const Complex wave = std::polar(1.0, tau);
+        return mean_ * tau + (sum(work_, wave) * wave * wave).imag();
     }
 
-    // Where the torque changes its sign. A cubic has no more roots between two nodes than its
-    // Bezier points, of the nodes' values and slopes, have changes of sign.
+    // Find the phases at which the torque changes its sign. Between two nodes the cubic of their
+    // values and slopes has at most as many roots as its Bezier points have changes of sign.
     void find_changes() {
-        constexpr double kCloseRoot = 1e-4;  // of the torque
-        constexpr int kParts = 16;           // of a step, where a pair of roots may be
+        constexpr double kCloseRoot = 1e-4;  // value near a root, as a fraction of the first mode
+        constexpr int kParts = 16;           // parts of a step in which a pair of roots may be
         for (int k = 0; k < mesh_.nodes; ++k) {
             const double values[] = {value(k), value(k) + third_of_slope(k),
                                      value(k + 1) - third_of_slope(k + 1), value(k + 1)};
             int changes = 0;
             for (int i = 0; i < 3; ++i) changes += (values[i] > 0) != (values[i + 1] > 0);
-            // at a node that is next to a root another one may be beside it
+            // If a root is close to a node, a second one may be close to it too.
             const double smallest = std::min(std::fabs(values[0]), std::fabs(values[3]));
             const bool close = changes > 1 || smallest < kCloseRoot * std::abs(mode_[0]);
             if (changes > 0) search(k * mesh_.step, values[0], values[3], close ? kParts : 1);
         }
     }
-    // A third of the slope at a node, per step: centred, of fourth order.
+    // A third of the slope at a node times the step, by centred differences of order 4.
     double third_of_slope(int k) const {
         return (value(k + 1) - value(k - 1)) * 2 / 9 - (value(k + 2) - value(k - 2)) / 36;
     }
-    // Roots after a node, also close pairs, by the signs at so many places, denser at both ends.
+    // Find the roots between a node and the next from the signs at `parts` phases, denser at both
+    // ends.
     void search(double tau, double start, double end, int parts) {
-        constexpr double kRootError = 1e-6;  // of the torque: the work misses its square
+        constexpr double kRootError =
+            1e-6;  // relative to the first mode; the work's error is its square
         const auto at_phase = [this](double phase) { return torque(phase); };
         double last_phase = tau, last_torque = start;
         for (int i = 1; i <= parts; ++i) {
@@ -106,8 +109,8 @@ class TorqueSeries {
             last_torque = next_torque;
         }
     }
-    // The torque at a node, also beyond the half cycle: there it has changed its sign. Zero has
-    // one.
+    // The torque at a node. Beyond the half cycle it has the opposite sign. Zero counts as
+    // positive.
     double value(int k) const {
         const int node = (k + mesh_.nodes) % mesh_.nodes;
         const double torque = torque_[node] == 0 ? 1e-300 : torque_[node];
@@ -118,7 +121,7 @@ class TorqueSeries {
     const double* torque_;
     Complex rate_;
     std::vector<Complex> mode_, work_;
-    std::vector<double> changes_;  // of the power's sign
+    std::vector<double> changes_;  // phases at which the power changes its sign
     double mean_;
 };
 
