@@ -158,7 +158,7 @@ class Dialogue:
             self._asker.confirm("Enter when it lies so: ")
         elif step.gait is not None and robot is not None:
             self._asker.confirm("Lay it straight. Enter starts the robot: ", moves=True)
-            robot.go(step.gait)
+            robot.run(step.gait)
         number = self._asker.form(lambda: self._record(step))
         self._bend_deg = step.posed_deg
         if number:

@@ -1,10 +1,10 @@
-"""Files that answer a step: films, and tracks of pushes as tables."""
+"""Take pushes from files: films of the robot, and tables of its track."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from os.path import isfile  # False, too, for what cannot be a name
+from os.path import isfile  # It is False, without an error, for text that cannot be a path.
 from pathlib import Path
 
 import numpy as np
@@ -26,12 +26,16 @@ from .steps import Tracked
 from .track_files import read_track_file
 from .track_look import Look, look_at, pushes_in
 
-# A film to its track: of pushes, and cells of each push in it; or of a crawl, to cells of `video`.
+# Function of a film, the robot and the commanded gait (None: the film shows pushes). It returns the
+# cells of the reading, with the samples of its track.
 FilmReader = Callable[[Path, Robot, Gait | None], Tracked]
 
 
 def named_file(text: str) -> tuple[Path, str | None] | None:
-    """Return the file that was typed and the unit of its lengths, None if it names none."""
+    """Return the file in a typed line, and the unit of its lengths if there is one.
+
+    The result is None if the line names no file.
+    """
     name, _, last = text.strip().rpartition(" ")
     unit = last if name and last in LENGTH_UNITS else None
     path = Path(os.path.expanduser((name if unit else text).strip().strip("'\"")))
@@ -39,7 +43,7 @@ def named_file(text: str) -> tuple[Path, str | None] | None:
 
 
 def no_films(path: Path, robot: Robot, gait: Gait | None) -> Tracked:
-    """Refuse a film, where nothing is there to measure it."""
+    """Raise BadInput: the reader of films where films cannot be measured."""
     raise BadInput(f"{path}: films are not measured here; give the track of a push")
 
 
@@ -52,11 +56,12 @@ def take_track(
     tell: Callable[[str], object] = lambda text: None,
     capture_fps: float | None = None,
 ) -> list[Push]:
-    """Keep the pushes of a file; raises BadInput where there is none, or it was taken in before.
+    """Add the pushes of a film or table to the journal; return these readings.
 
-    unit: of its lengths, where the file names none. film: what reads a film of the robot with tags,
-    whose joints hold still. tell: is called with what a person should know of the file.
-    capture_fps: pictures a second that the camera took, where a track was made of slow motion.
+    unit: unit of the table's lengths, if the table has none. cells: columns of the readings.
+    film: reader of films. tell: called with each note on the file for the person. capture_fps:
+    frames a second at which the camera recorded slow motion, Hz. Raises BadInput if the file has no
+    push, or if all its pushes are there.
     """
     if path.suffix.lower() in (".csv", ".txt", ".tsv", ".dat", *OTHER_PROGRAMS) or not isfile(path):
         track, notes = read_track_file(path, unit)
@@ -76,12 +81,12 @@ def take_track(
 
 
 def keep_pushes(journal: Journal, track: Floats, cells: Cells, *, file_sha256: str) -> list[Push]:
-    """Keep every push of a track, t_s, x_m, y_m in rows; return those readings.
+    """Add the pushes of a track, (rows, 3) with t_s, x_m, y_m, to the journal; return the readings.
 
-    The first sound push goes the cells' way; the others there or back by where they go in the same
-    picture. A push with a doubt is kept, too, but void: nothing measured is lost. file_sha256: of a
-    file that a kill may have cut short: what it had kept is not kept twice, and tells the way.
-    Raises BadInput where no push is, or all are there.
+    The first sound push has the direction in cells; the others are forward or backward by their
+    displacement relative to it. A doubtful push is added as void, so that no measurement is lost.
+    file_sha256: hash of the file. Pushes that an interrupted run has added from it are not added
+    again, and determine the direction. Raises BadInput if there is no push, or no new one.
     """
     setup, file = journal.session.setup, file_sha256[:16]
     lambda_deg = float(cells.get("lambda_deg", 0.0))
@@ -106,7 +111,7 @@ def keep_pushes(journal: Journal, track: Floats, cells: Cells, *, file_sha256: s
 
 
 def push_in_words(push: Push) -> str:
-    """Return a push that was kept in a line, with what makes it void."""
+    """Return a line on a push, with the reason if it is void."""
     words = f"reading {push.number}, {': '.join(push.in_words())}"
     return f"{words}; VOID: {push.comment}" if push.voided else words
 
@@ -117,13 +122,13 @@ def other_way(way: str) -> str:
 
 
 def _pieces(track: Floats, slipping: bool) -> dict[str, tuple[Floats, Look]]:
-    """Return the pieces of a track that roll out, by their hashes, with what each shows."""
+    """Return the pieces of a track in which the robot rolls to a stop, hash -> (samples, look)."""
     pieces = {}
     error = BadInput("nothing was pushed in this track: no place moves; is its unit right?")
     for rows in pushes_in(track):
         try:
             pieces[Track.from_samples(TRACK, rows).sha256] = rows, look_at(rows, slips=slipping)
-        except BadInput as reason:  # a hand in the picture, nothing that rolls out
+        except BadInput as reason:  # For instance a hand in the picture, without a push.
             error = reason
     if not pieces:
         raise error

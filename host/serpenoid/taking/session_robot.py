@@ -1,4 +1,4 @@
-"""The robot of a session: bent as a step says, idle whenever nobody is there to see it."""
+"""The robot of a session: it is bent and steered, and goes limp whenever nobody watches it."""
 
 from __future__ import annotations
 
@@ -12,37 +12,39 @@ from ..robot.robot import RobotBoard
 from ..robot.tools.limp_test import RELEASED
 from ..robot.wire.link import Link
 
-# Joints that jump shake wheels loose which would rest: in the lab, steering at 45 deg/s takes a
-# quarter of its standard deviation off fn0.
+# Speeds of the joints while steering, and while taking a pose. Fast steering shakes loose wheels
+# that would stick: in the virtual lab, 45 deg/s lowers fn0 by a quarter of its standard deviation.
 STEER_DEG_S, POSE_DEG_S = 2.0, 45.0
 
 
 class SessionRobot:
-    """Hold one open robot. Joints move only in pose() and go(); `powered` tells whether they hold.
+    """One connected robot, used as `with SessionRobot(port) as robot:`.
 
-    Inside `with SessionRobot(port) as robot:` only. joints: how many the robot must have, None if
-    any number will do. Raises what RobotBoard raises.
+    port: as of RobotBoard. joints: number of joints that the robot must have; None: any. Joints
+    move only in pose(), steer() and run(). powered: whether the servos hold their angles. stopped:
+    whether a key has stopped the robot since the last prompt. offset_rad: steering angle on every
+    joint. Raises the errors of RobotBoard.
     """
 
     def __init__(self, port: str | Link | None, joints: int | None = None):
         self._robot = RobotBoard(port, joints=joints, unattended_s=6 * 3600.0)
         self.powered = False
-        self.stopped = False  # True once a key stopped it and no prompt has seen it yet
-        self.offset_rad = 0.0  # on every joint, to steer
+        self.stopped = False
+        self.offset_rad = 0.0
         self._posed: tuple[float, str] | None = None
-        self._pose_deg_s = POSE_DEG_S  # the board's own
-        self._released = 0.0  # the board's setting
+        self._pose_deg_s = POSE_DEG_S  # The board's setting, replaced while steering.
+        self._released = 0.0  # The board's setting: what servos do without pulses.
 
     def __enter__(self) -> SessionRobot:
         with ExitStack() as opened:
             robot = opened.enter_context(self._robot)
             settings = robot.settings()
             self._released = settings["released"]
-            if not settings["limp"]:  # after a kill nothing else would let go of the bend
+            if not settings["limp"]:  # So the pose ends even if this program is killed.
                 robot.set("limp", 30.0)
             if not settings["silence"]:
                 robot.set("silence", 2.0)
-            if settings["pose_speed"] > STEER_DEG_S:  # else it was left so by a kill
+            if settings["pose_speed"] > STEER_DEG_S:  # A killed program leaves a lower one.
                 self._pose_deg_s = settings["pose_speed"]
             robot.set("pose_speed", self._pose_deg_s)
             opened.pop_all()
@@ -60,55 +62,52 @@ class SessionRobot:
 
     @property
     def without_pulses(self) -> str:
-        """Return in words what the servos do once idle() has ended their pulses."""
-        limp = 1.0  # value of the board's setting of servos that were seen to go limp
+        """Return in words the state of the servos after idle()."""
+        limp = 1.0  # Value of `released` for servos that go limp without pulses.
         is_limp = self._released == limp
         return "servos off" if is_limp else f"pulses off ({RELEASED[self._released]})"
 
     def pose(self, bend_deg: float, bend: str = "balanced") -> None:
-        """Bend the robot, balanced or as a zigzag; straight at 0."""
+        """Bend the links by bend_deg, "balanced" or as a "zigzag", and wait until it is done."""
         self.powered = True
-        self._quick()
-        self._lie(bend_deg, bend, self.offset_rad)
+        self._restore_pose_speed()
+        self._bend(bend_deg, bend, self.offset_rad)
         self._posed = bend_deg, bend
         self._robot.settle()
         self._robot.set("pose_speed", STEER_DEG_S)
 
-    def _quick(self) -> None:
-        """Give the board its own speed back, steering done."""
+    def _restore_pose_speed(self) -> None:
+        """Restore the board's own speed after steering."""
         if self._posed is not None:
             self._robot.set("pose_speed", self._pose_deg_s)
 
-    def _lie(self, bend_deg: float, bend: str, offset_rad: float) -> None:
+    def _bend(self, bend_deg: float, bend: str, offset_rad: float) -> None:
         multiples = joint_multiples(bend_signs(bend, self._robot.hello.joints + 1))
         self._robot.pose([offset_rad + k * math.radians(bend_deg) for k in multiples])
 
     def steer(self, steps: int) -> str:
-        """Add steps to every joint of a robot that holds a pose; return the offset in words.
+        """Add steps of 0.25 deg to every joint of a posed robot; return the offset in words.
 
-        Positive turns it to the left. A pose that a joint cannot reach is left as it was.
+        Positive steps turn it to the left. If a joint cannot reach its angle, nothing moves.
         """
         if self.powered and self._posed is not None:
             wanted_rad = self.offset_rad + steps * math.radians(0.25)
             try:
-                self._lie(*self._posed, wanted_rad)
+                self._bend(*self._posed, wanted_rad)
             except CommandRefused as error:
                 return f"not steered: {error}"
             self.offset_rad = wanted_rad
         return f"{math.degrees(self.offset_rad):+.2f} deg on every joint"
 
-    def go(self, gait: Gait) -> None:
-        """Start a gait."""
+    def run(self, gait: Gait) -> None:
+        """Start a gait, steering and pose ended."""
         self.powered = True
-        self._quick()
+        self._restore_pose_speed()
         self._posed = None
         self._robot.gait(gait)
 
     def stop(self) -> str:
-        """Stop now, joints held until a prompt lets them go; return that in words.
-
-        Nothing is to be stopped of a robot whose servos are off.
-        """
+        """Stop the gait and hold the joints until the next prompt; return the state in words."""
         if not self.powered:
             return "the servos are off"
         self.stopped = True
@@ -116,21 +115,21 @@ class SessionRobot:
         return "stopped"
 
     def idle(self) -> None:
-        """Stop, and let the servos go limp."""
+        """Stop the gait and let the servos go limp."""
         if self.powered:
             self._robot.idle()
             self.powered = False
-            self._quick()
+            self._restore_pose_speed()
         self._posed, self.stopped = None, False
 
     def tick(self) -> None:
-        """Show that the program is alive; raises RobotLost and the like when the robot is not."""
+        """Tell the board that the program is alive; raises RobotLost or another RobotError."""
         self._robot.status()
 
     def rate(self, gait: Gait) -> float:
-        """Return the gait's true rate by the board's clock, rad/s; nominal where that is unsure."""
+        """Return the gait's true rate by the board's clock, rad/s; the nominal one if uncertain."""
         try:
-            rate, sd = self._robot.clock.true_rate(gait.omega_rad_s)
+            rate, sigma = self._robot.clock.true_rate(gait.omega_rad_s)
         except RobotError:
             return gait.omega_rad_s
-        return rate if sd < 0.002 * rate else gait.omega_rad_s
+        return rate if sigma < 0.002 * rate else gait.omega_rad_s

@@ -1,4 +1,4 @@
-"""A step of a session, the poses of its plan, and what has been taken in each of them."""
+"""A step of a session, the bends of its plan, and the readings taken in each of them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,10 @@ from ..session.track import Samples
 
 
 class Tracked(dict[str, "float | str"]):
-    """Cells of a reading with the samples of its track; kind: where it is not that of the step."""
+    """Cells of a reading, with the samples of its track.
+
+    kind: kind of the reading; "" for that of the step.
+    """
 
     def __init__(self, cells: Cells, samples: Samples | None = None, kind: str = ""):
         super().__init__(cells)
@@ -29,11 +32,12 @@ class Tracked(dict[str, "float | str"]):
 
 @dataclass(frozen=True)
 class Step:
-    """One step: `key` names it in events, `say` tells what to set, `fields` what is read.
+    """One step of the procedure.
 
-    kind: that of the reading it ends in; else straight or done. lambda_deg: the plan's bend.
-    settle_s: how long to wait before reading. gait: to be run. cells: what the plan tells of the
-    reading.
+    key: its name in the journal's events. kind: kind of the reading that it gives; "straight" or
+    "done" if it gives none. say: instruction to the person. fields: numbers to be read.
+    lambda_deg, incline_deg: the plan's bend and incline. settle_s: time to wait before reading.
+    gait: the gait to be run. cells: columns of the reading that the plan determines.
     """
 
     key: str
@@ -48,13 +52,13 @@ class Step:
 
     @property
     def posed_deg(self) -> float | None:
-        """Return how the robot lies after it, by the plan's bend; None where nobody knows."""
+        """Return the plan's bend in which the robot lies after the step, deg; None if unknown."""
         is_posed = self.kind in ("straight", "bend", "station", "push")
         return self.lambda_deg if is_posed else None
 
 
 def record_step(record: Journal, step: Step, cells: Cells) -> int:
-    """Write what a step came to; return the reading's number, 0 where none is kept."""
+    """Write the reading of a step to the journal; return its number, 0 if the step has none."""
     if step.kind == "straight":
         return 0
     reading = cells if isinstance(cells, Tracked) else Tracked(cells)
@@ -69,7 +73,7 @@ def planned_bends(plan: Plan) -> tuple[float, ...]:
 
 
 def pose_key(plan: Plan, bend_deg: float) -> str:
-    """Return what events call all that is taken in a pose."""
+    """Return the key, in the journal's events, of all readings in one bend."""
     pose = f"bend {bend_deg:g}" if bend_deg else "straight"
     return f"pushes, {pose}" if plan.on == "floor" else pose
 
@@ -80,7 +84,7 @@ def _nearest_bend(plan: Plan, lambda_rad: float) -> float:
 
 
 def taken_in(session: Session, bend_deg: float) -> list[Any]:
-    """Return the kept stations, on a floor the kept pushes, of one of the plan's bends."""
+    """Return the kept readings in one of the plan's bends: stations, or pushes on a floor."""
     plan = session.setup.plan
     return [
         reading
@@ -91,7 +95,7 @@ def taken_in(session: Session, bend_deg: float) -> list[Any]:
 
 
 def shown_bend(session: Session, bend_deg: float) -> float | None:
-    """Return the bend that the last protractor check showed, deg; None if it was of another."""
+    """Return a bend as the last protractor check showed it, deg; None if that was another bend."""
     if not bend_deg:
         return 0.0
     plan, checks = session.setup.plan, session.kept_of("bend")
@@ -102,18 +106,19 @@ def shown_bend(session: Session, bend_deg: float) -> float | None:
 
 
 def friction_factor(bend_deg: float) -> float:
-    """Return by how much more a bent robot is braked than a straight one, as that of 2005."""
+    """Return the rolling friction of a bent robot over a straight one's, as of the 2005 robot."""
     return 1.0 + 1.4 * math.radians(bend_deg)
 
 
 def line_of(session: Session, bend_deg: float) -> tuple[float, float] | None:
-    """Return slope and offset, m/s, of the belt's speed past the robot over sin(incline).
+    """Return slope and offset, m/s, of the line through a bend's stations.
 
-    Of the line through a bend's stations; None before there are two, or where it falls.
+    The line is the belt's speed past the robot as a function of sin(incline). None if there are
+    fewer than two inclines, or if the line falls.
     """
     stations = taken_in(session, bend_deg)
     sines = [math.sin(station.incline_rad) for station in stations]
-    same_sine = 1e-4  # spread of sines through which no line is drawn
+    same_sine = 1e-4  # Range of the sines below which no line is fitted.
     if not sines or np.ptp(sines) < same_sine:
         return None
     slope, offset_m_s = np.polyfit(sines, [station.slip_speed_m_s for station in stations], 1)
@@ -121,7 +126,7 @@ def line_of(session: Session, bend_deg: float) -> tuple[float, float] | None:
 
 
 def bend_step(key: str, setup: Setup, bend_deg: float) -> Step:
-    """Return the step in which a robot is bent and the protractor laid on."""
+    """Return the step in which the robot is bent and its bend is read from the protractor."""
     between_deg = 180.0 - 2 * bend_deg
     if setup.plan.bend == "zigzag":
         how = (
