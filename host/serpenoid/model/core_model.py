@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,19 +13,23 @@ from ..base.checks import check_kind
 from .gait import Gait
 from .ground import Ground
 from .robot import Robot
+from .unit_doubts import unit_doubts
 
 Factors = Sequence[float] | NDArray[np.float64]
 
 
-def check_parts(robot: object, ground: object, gait: object = None) -> None:
-    """Raise BadInput unless robot, ground and (if any) gait came in this order."""
-    for name, value, kind in (
-        ("robot", robot, Robot),
-        ("ground", ground, Ground),
-        ("gait", gait, Gait),
-    ):
-        if not (name == "gait" and value is None):
-            check_kind(name, value, kind, "robot, ground, gait")
+def check_parts(robot: Robot, ground: Ground, gait: Gait | None = None) -> None:
+    """Raise BadInput unless robot, ground and (if any) gait came in this order.
+
+    What looks like a number in another unit is warned of, once in a program.
+    """
+    order = "robot, ground, gait"
+    check_kind("robot", robot, Robot, order)
+    check_kind("ground", ground, Ground, order)
+    if gait is not None:
+        check_kind("gait", gait, Gait, order)
+    for doubt in unit_doubts(robot, gait):
+        warnings.warn(doubt, stacklevel=1)
 
 
 def friction_numbers(ground: Ground) -> tuple[float, float, float, float, float, float]:

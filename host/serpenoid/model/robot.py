@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import SupportsIndex
@@ -10,7 +9,6 @@ from typing import SupportsIndex
 from ..base.checks import POSITIVE, check_fields, check_whole
 
 MAX_LINKS = 100_000
-MAX_LINK_LENGTH_M = 5.0  # longer than any snake robot's link
 MAX_DENSITY_KG_M3 = 22_600  # osmium, the densest metal: no link outweighs a cube of it
 
 
@@ -69,17 +67,6 @@ class Robot:
             rod = self.link_mass_kg * self.link_length_m**2 / 12.0
             object.__setattr__(self, "link_inertia_kg_m2", rod)
         check_fields(self, {"link_inertia_kg_m2": POSITIVE})
-        if self.link_length_m > MAX_LINK_LENGTH_M:
-            warnings.warn(
-                f"a link has {self.link_length_m:g} m; was its length given in millimetres?",
-                stacklevel=3,
-            )
-        if self.link_mass_kg > MAX_DENSITY_KG_M3 * self.link_length_m**3:
-            warnings.warn(
-                f"a link of {self.link_length_m:g} m has {self.link_mass_kg:g} kg, more than solid "
-                "metal; was its mass given in grams?",
-                stacklevel=3,
-            )
 
     @classmethod
     def whole_body(

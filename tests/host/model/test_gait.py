@@ -18,15 +18,29 @@ def test_a_gait_in_degrees_is_the_gait_in_radians() -> None:
         sn.Gait.degrees(70, 75, hertz=0)
 
 
-def test_degrees_that_look_like_radians_and_lengths_like_millimetres_get_a_hint() -> None:
+def test_degrees_that_look_like_radians_get_a_hint() -> None:
     with pytest.warns(UserWarning, match="if radians were meant, they are 70 and 75 degrees"):
         sn.Gait.degrees(math.radians(70), math.radians(75), hertz=0.5)
-    with pytest.warns(UserWarning, match="in millimetres"):
-        sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=76)
 
 
-def test_a_link_heavier_than_metal_gets_a_hint(recwarn) -> None:
-    sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+@pytest.mark.parametrize(
+    ("typed", "remark"),
+    [
+        ({"link_length_m": 3}, r"a link is 3 m long, .*0.3 m; .*give 0.03 \(cm\) or 0.0762 \(in\)"),
+        ({"link_length_m": 76}, r"a link is 76 m long, .* give 0.076 \(mm\)$"),
+        ({"link_mass_kg": 75.6}, "a link has 75.6 kg, .* more than solid metal .* divide by 1000$"),
+        ({"alpha_deg": 140}, "joints bend by up to 140 degrees, .*half of the swing"),
+    ],
+)
+def test_numbers_that_no_snake_robot_has_get_a_remark(typed: dict, remark: str) -> None:
+    values = {"alpha_deg": 70, "link_mass_kg": 0.0756, "link_length_m": 0.076} | typed
+    gait = sn.Gait.degrees(values.pop("alpha_deg"), 75, hertz=0.5)
+    with pytest.warns(UserWarning, match=remark):
+        state = sn.steady_gait(sn.Robot(6, **values), sn.Ground(0.1, 10.0), gait)
+    assert state.gait == gait
+
+
+def test_robots_and_gaits_of_the_paper_get_no_remark(recwarn) -> None:
+    for robot in (sn.Robot(6, 1.0, 0.12), sn.Robot(6, 0.0756, 0.076)):
+        sn.Scene(robot, sn.Ground(0.1, 10.0), sn.Gait.degrees(90, 75, hertz=0.5))
     assert not recwarn
-    with pytest.warns(UserWarning, match="in grams"):
-        sn.Robot(links=6, link_mass_kg=75.6, link_length_m=0.076)
