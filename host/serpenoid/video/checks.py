@@ -60,13 +60,13 @@ def _side_px(w: Watched) -> float:
 
 def _camera_moved(w: Watched) -> float:
     """Return by how much the floor moved at least, in sides of a tag: less four sigmas."""
-    shifts = () if w.plain_floor else w.shifts
+    shifts = [] if w.ground.plain else w.ground.shifts
     distances_px = [math.hypot(x, y) - 4.0 * sigma for _, x, y, sigma in shifts]
     return max([0.0, *distances_px]) / _side_px(w)
 
 
 def _camera_words(w: Watched, _: float) -> str:
-    times, x, y, _sigma = np.array(w.shifts).T
+    times, x, y, _sigma = np.array(w.ground.shifts).T
     distances_px = np.hypot(x, y)
     when = times[np.argmax(distances_px > 0.5 * distances_px.max())]
     return (
@@ -177,7 +177,7 @@ CHECKS = (
     ),
     Check("seen", "camera", _camera_moved, _camera_words, MOVED_REFUSE, warn=0.015),
     Check(
-        "seen", "floor", lambda w: w.plain_floor,
+        "seen", "floor", lambda w: w.ground.plain,
         lambda w, _: "the floor shows too little to check the camera, whether it stood still; lay "
         "something printed beside the track, or add light",
         warn=0,

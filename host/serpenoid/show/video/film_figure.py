@@ -26,12 +26,12 @@ def _picture(ax: Any, film: FilmMeasurement) -> None:
     """Draw the first frame, the middle's path, and the chain at start and end."""
     camera = film.measured.bundle.camera
     states = film.measured.track.states
-    ax.imshow(film.watched.picture, cmap="gray", vmin=0, vmax=255)
+    ax.imshow(film.watched.ground.picture, cmap="gray", vmin=0, vmax=255)
     ax.plot(*camera.plane_px(states[:, :2]).T, color=BLUE, lw=2, label="middle of the robot")
     for k, style, words in ((0, "o-", "links' middles at the start"), (-1, "o:", "at the end")):
         chain = camera.plane_px(link_centres(states[k], camera.link_m))
         ax.plot(*chain.T, style, color=RED, lw=1.5, ms=3, label=words)
-    height_px, width_px = film.watched.picture.shape
+    height_px, width_px = film.watched.ground.picture.shape
     ax.set(title="path over the first frame", xlim=(0, width_px), ylim=(height_px, 0))
     ax.axis("off")
     ax.legend(loc="lower right", frameon=True)

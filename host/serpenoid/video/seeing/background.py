@@ -8,7 +8,6 @@ import numpy as np
 
 from ..arrays import Grey
 
-INTERVAL_S = 0.5  # Time between the frames that are compared with the first one.
 PATCH_PX = 21  # Side of the square round each followed point.
 
 
@@ -18,24 +17,26 @@ class Background:
     A point counts if it returns to its place and moves with most others; noise does neither.
 
     shifts: (time, s; x and y shift of the floor at the robot, px; its standard deviation, px) for
-    each compared frame in which enough points count. looks: number of compared frames.
+    each compared frame in which enough points count. looks: number of compared frames. picture:
+    the first frame with a tag.
     """
 
-    def __init__(self, window: tuple[int, int, int, int], time_s: float, picture: Grey) -> None:
-        """Take the first frame; window: the robot's left, top, right and bottom edge in it, px."""
-        import cv2
-
-        self.window = window
+    def __init__(self) -> None:
         self.shifts: list[tuple[float, float, float, float]] = []
         self.looks = 0
-        self._next_s = time_s + INTERVAL_S
+        self.picture: Any = None
+        self._next_s = -np.inf
+
+    def _begin(self, picture: Grey, window: tuple[int, int, int, int]) -> None:
+        import cv2
+
+        self.picture, self.window = np.array(picture), window
         free = np.full(picture.shape, 255, np.uint8)
         left_px, top, right, bottom = window
         free[top:bottom, left_px:right] = 0
-        pixels = np.ascontiguousarray(picture)
-        self._first = _even(pixels)
+        self._first = _even(self.picture)
         self._points: Any = cv2.goodFeaturesToTrack(  # (points, 1, 2) float32
-            pixels, 150, 0.02, PATCH_PX, mask=free, blockSize=7
+            self.picture, 150, 0.02, PATCH_PX, mask=free, blockSize=7
         )
 
     @property
@@ -43,13 +44,19 @@ class Background:
         """Return whether the floor has too few points that can be followed."""
         return len(self.shifts) <= self.looks / 2
 
-    def look(self, time_s: float, picture: Grey) -> None:
-        """Compare a later frame with the first one, if INTERVAL_S has passed; else skip it."""
+    def look(self, time_s: float, picture: Grey, window: tuple[int, int, int, int] | None) -> None:
+        """Compare a frame with the first one that has tags, half a second after the one before.
+
+        window: the robot's left, top, right and bottom edge in the frame, px; None without tags.
+        """
         import cv2
 
-        if time_s < self._next_s:
+        if time_s < self._next_s or (self.picture is None and window is None):
             return
-        self._next_s = time_s + INTERVAL_S
+        self._next_s = time_s + 0.5
+        if window and self.picture is None:
+            self._begin(picture, window)
+            return
         self.looks += 1
         if self._points is None:
             return

@@ -10,8 +10,6 @@ import numpy as np
 from ..arrays import Array, Grey
 from .edges import refine
 
-Tag = tuple[Array, float]  # corners (4, 2) px, clockwise; width of the edges, px
-
 
 def dictionary() -> Any:
     """Return the tags' dictionary: number 0 is the tail's."""
@@ -30,21 +28,24 @@ class TagFinder:
         self.patience = 0
         self.strangers: Counter[int] = Counter()  # numbers that are on no link, and how often
 
-    def find(self, picture: Grey) -> dict[int, Tag]:
-        """Return the tags found, by link from 0."""
-        tags = self._look(picture) if self.window else {}
-        if len(tags) == self.links:
+    def find(self, picture: Grey) -> tuple[Array, Array]:
+        """Return corners (links, 4, 2) and widths of edges (links,), px; NaN without a tag."""
+        tags = np.full((self.links, 4, 2), np.nan), np.full(self.links, np.nan)
+        if self.window:
+            self._look(picture, *tags)
+        visible = np.isfinite(tags[0][:, 0, 0])
+        self.patience -= 1
+        if visible.all():
             self.patience = 0
-        elif not tags or self.patience <= 0:
+        elif not visible.any() or self.patience < 0:
             self.window, self.side_px = (0, 0, picture.shape[1], picture.shape[0]), 0.0
-            tags = self._look(picture) | tags
+            self._look(picture, *tags)
             self.patience = 15  # frames until the whole picture is searched again
-        else:
-            self.patience -= 1
-        self._follow(tags, picture.shape)
+        self._follow(tags[0][np.isfinite(tags[0][:, 0, 0])], picture.shape)
         return tags
 
-    def _look(self, picture: Grey) -> dict[int, Tag]:
+    def _look(self, picture: Grey, tags: Array, edge_px: Array) -> None:
+        """Write the tags found in the window into two arrays, beside those that are there."""
         import cv2
 
         assert self.window is not None
@@ -59,28 +60,25 @@ class TagFinder:
             p.adaptiveThreshWinSizeMax = window_px
         corners, ids, _ = cv2.aruco.ArucoDetector(dictionary(), p).detectMarkers(part)
         if ids is None:
-            return {}
+            return
         numbers = ids.ravel()
         quads, edges = refine(part, np.array([q.reshape(4, 2) for q in corners], float))
         self.strangers.update(numbers[numbers >= self.links].tolist())
-        tags: dict[int, Tag] = {}
-        for link in range(self.links):
+        for link in np.flatnonzero(np.isnan(tags[:, 0, 0])):
             hits = quads[numbers == link]
             # A number that is seen at two places counts at neither: which is the robot's?
             if len(hits) and np.ptp(hits.mean(axis=1), axis=0).max() < 0.5 * np.ptp(hits[0, :, 0]):
-                edge_px = float(edges[numbers == link][-1])
-                tags[link] = hits[-1] + [left_px, top], edge_px
-        return tags
+                tags[link] = hits[-1] + [left_px, top]
+                edge_px[link] = edges[numbers == link][-1]
 
-    def _follow(self, tags: dict[int, Tag], shape: tuple[int, ...]) -> None:
-        """Set the window for the next frame."""
-        if not tags:
+    def _follow(self, quads: Array, shape: tuple[int, ...]) -> None:
+        """Set the window for the next frame by the corners of the tags that were found."""
+        if not len(quads):
             self.window = None
             return
-        quads = np.array([quad for quad, _ in tags.values()])
         self.side_px = float(np.median(np.linalg.norm(quads[:, 1] - quads[:, 0], axis=1)))
         # Links that were not seen may be on either side: room for all of them.
-        room = 2.5 * self.side_px * (1 + self.links - len(tags))
+        room = 2.5 * self.side_px * (1 + self.links - len(quads))
         ends = quads.min(axis=(0, 1)) - room, quads.max(axis=(0, 1)) + room + 1
         left_px, top, right, bottom = np.clip(ends, 0, shape[::-1]).astype(int).ravel().tolist()
         self.window = left_px, top, right, bottom

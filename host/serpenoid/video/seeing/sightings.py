@@ -29,13 +29,14 @@ class Sightings:
     @staticmethod
     def from_corners(t_s: Array, corners_px: NDArray[Any], image_px: tuple[int, int]) -> Sightings:
         """Return sightings; a row's time is off by its share of the readout, about the middle."""
+        corners_px = corners_px.astype(np.float32)
         places_px = corners_px.astype(float)
         rates = np.diff(places_px, axis=0) / np.diff(t_s)[:, None, None, None]
         padded = np.pad(rates, [(1, 1), (0, 0), (0, 0), (0, 0)], constant_values=np.nan)
         # How fast corners move: from both frames beside, or from the one that shows the tag.
         rate = np.ma.masked_invalid([padded[:-1], padded[1:]]).mean(axis=0)
         skew = np.ma.filled(rate * (places_px[..., 1:] / image_px[1] - 0.5), 0.0)
-        return Sightings(t_s, corners_px.astype(np.float32), image_px, skew.astype(np.float32))
+        return Sightings(t_s, corners_px, image_px, skew.astype(np.float32))
 
     @cached_property
     def visible(self) -> Mask:
