@@ -105,7 +105,7 @@ class LabRobot:
 def check_answer(solved: bool) -> None:
     """Raise NotConverged where the core came to no answer."""
     if not solved:
-        raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
+        raise NotConverged("the model came to no answer; are robot and friction sensible?")
 
 
 def pose_of(signs: Sequence[int], angle_rad: float) -> list[float]:

@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...base.errors import BadInput, NotConverged
+from ...base.errors import BadInput
 from ...base.files import write_text
 from ...base.rows import two_digits
+from ...base.vectors import Array
+from ...lab.floor import Floor
 from ...lab.robot import LabRobot
 from ...model.gait import Gait
 from ...model.ground import Ground
@@ -21,9 +22,8 @@ from ...model.robot import Robot
 from ...robot.recording.run_gait import longest_gait
 from ...robot.recording.stream import Stream
 from ...simulation.run import Run
-from ...video.fitting.chain import lever_matrix
+from ...video.fitting.chain import link_centres
 
-Array = NDArray[np.float64]
 MOST_FRAMES = 3000  # Rows that a page holds: a minute of 50 a second.
 
 
@@ -63,7 +63,8 @@ def of_run(run: Run) -> dict[str, Any]:
 def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, dict[str, Any]]:
     """Return the recorded gait, and how a model moves whose joints follow the recorded set-points.
 
-    Where frames did not arrive the joints go straight to the next set-points.
+    Where frames did not arrive the joints go straight to the next set-points. The way from start to
+    end lies along x.
     Raises BadInput for a recording without a gait, or of a robot of other links.
     """
     gait, links = longest_gait(stream), stream.setpoint_rad.shape[1] + 1
@@ -72,47 +73,26 @@ def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, di
             f"links is {robot.links}; this is of a robot of {links}: give --set links={links}"
         )
     in_gait = np.flatnonzero(stream.state == "gait")
-    gait_rows = slice(in_gait[0], in_gait[-1] + 1)
-    board_s = stream.board_s[gait_rows]
-    stride = math.ceil(len(board_s) / MOST_FRAMES)
-    motion = follow(robot, ground, stream.setpoint_rad[gait_rows], np.diff(board_s), stride)
-    return gait, _shown(board_s[1::stride] - board_s[0], robot, ground, gait, *motion)
-
-
-def follow(
-    robot: Robot, ground: Ground, setpoint_rad: Array, lasts_s: Array, stride: int = 1
-) -> list[Array]:
-    """Return how a robot with ideal joints moves that is led through set-points, (N + 1, n - 1).
-
-    It is at rest at the first, and goes to each next one within a time, (N,). stride: of so many
-    moments the first counts. The way from start to end lies along x.
-    """
-    chain = LabRobot(robot, (ground,)).chain()
-    rows = np.ascontiguousarray(setpoint_rad, dtype=np.float64)
-    chain.set_joints(rows[0].tolist())
-    chain.place(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    lasts_s = np.clip(lasts_s, 1e-3, 10.0)  # Nobody knows what a longer gap holds.
-    states = []
-    for k, duration_s in enumerate(lasts_s.tolist()):
-        if not len(chain.follow(rows[k + 1 : k + 2], duration_s, 0.002)):
-            raise NotConverged("the model came to no answer; are robot and friction sensible?")
-        if k % stride == 0:
-            states.append(chain.state[:6])
-    rate = (np.diff(rows, axis=0) / lasts_s[:, None])[::stride]
-    return _motion(robot, np.array(states), rows[1::stride], rate)
-
-
-def _motion(robot: Robot, states: Array, joint_rad: Array, joint_rad_s: Array) -> list[Array]:
-    """Return all links from centre of mass and link 1, (N, 6), and the joints, (N, n-1)."""
-    x, y, theta, vx, vy, turning = np.split(states, 6, axis=1)
-    angle = np.cumsum(np.hstack([theta, joint_rad]), axis=1)
-    rate = np.cumsum(np.hstack([turning, joint_rad_s]), axis=1)
-    levers = robot.link_length_m * lever_matrix(robot.links).T
-    c, s = np.cos(angle), np.sin(angle)
-    slip = (vy + c * rate @ levers) * c - (vx - s * rate @ levers) * s
-    way = np.arctan2(y[-1] - y[0], x[-1] - x[0])
-    place = np.exp(-1j * way) * (x + c @ levers + 1j * (y + s @ levers))
-    return [place.real, place.imag, angle - way, slip]
+    gait_rows, frame_s = slice(in_gait[0], in_gait[-1] + 1), 0.02
+    board_s = stream.board_s[gait_rows] - stream.board_s[in_gait[0]]
+    t_s = np.arange(0.0, board_s[-1], frame_s)
+    setpoints_rad = [np.interp(t_s, board_s, angle) for angle in stream.setpoint_rad[gait_rows].T]
+    body = LabRobot(robot, (ground,))
+    track, joint_rad = Floor(body).follow(np.transpose(setpoints_rad), frame_s)
+    x_m, y_m = track.x_m - track.x_m[0], track.y_m - track.y_m[0]
+    way_rad = np.arctan2(y_m[-1], x_m[-1])
+    place = np.exp(-1j * way_rad) * (x_m + 1j * y_m)
+    bend = np.cumsum(np.insert(joint_rad, 0, track.heading_rad - way_rad, axis=1), axis=1)
+    theta = bend + bend[:, :1] - bend.mean(axis=1, keepdims=True)
+    states = np.column_stack([place.real, place.imag, theta])
+    centres = link_centres(states, robot.link_length_m) @ [1, 1j]
+    # The slip over each frame, across the link's mean direction.
+    directions = np.exp(-0.5j * (theta[1:] + theta[:-1]))
+    slip_m_s = (directions * np.diff(centres, axis=0)).imag / frame_s
+    shown = t_s, centres.real, centres.imag, theta, np.insert(slip_m_s, 0, 0.0, axis=0)
+    stride = math.ceil(len(t_s) / MOST_FRAMES)
+    t_s, *motion = (values[::stride] for values in shown)
+    return gait, _shown(t_s, robot, ground, gait, *motion)
 
 
 def _shown(
