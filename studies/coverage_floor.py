@@ -22,7 +22,7 @@ from serpenoid.lab.recording import Camera
 from serpenoid.periodic.servo_steady import band
 from serpenoid.prediction.speeds import AMPLITUDE_SIGMA, scaled, speed
 from serpenoid.session.settings import Setup
-from serpenoid.taking.new_session import CRAWLS, PUSHES, default_setup
+from serpenoid.taking.new_session import default_setup, on_place
 from serpenoid.taking.simulated import SimulatedPerson, take_all
 from simulated_sessions import MemoryRecord, drawn_truth
 from speed_table import SpeedTable
@@ -53,7 +53,7 @@ class FloorCase:
     name: str
     camera: Camera
     wheels_kg: float | None = WHEELS_KG
-    pushes: int = PUSHES
+    pushes: int = 8
     driven: bool = False
 
     @property
@@ -146,7 +146,7 @@ def run_floor_session(
     amplitude = 1.0 + AMPLITUDE_SIGMA * float(rng.normal())
     person = drawn_person(case, rng, amplitude)
     setup = floor_setup(case)
-    setup = replace(setup, plan=replace(setup.plan, gaits=CRAWLS))
+    setup = replace(setup, plan=on_place(setup.plan, "floor"))
     session = take_all(MemoryRecord(setup), person)
     try:
         fit = fit_friction(session, seed=number)
