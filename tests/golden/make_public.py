@@ -223,8 +223,8 @@ def sections() -> Iterator[tuple[str, Iterable[str]]]:
     """Yield each part: its heading and its lines."""
     yield "Commands", commands(cli)
     # A bench test by few samples lists every value that a test may show.
-    short = {"SAMPLES": 64, "MOVES": 10, "BEST_STARTS": 2, "MAX_SIGMA_RATIO": 1e9}
-    with patch.multiple(bench_fit, **short):
+    short = bench_fit.FitTuning(best_starts=2, moves=10, samples=64, max_sigma_ratio=1e9)
+    with patch.object(bench_fit, "TUNING", short):
         for line in ANSWERS:
             yield f"JSON: {line}", by_table(json.loads(run(f"{line} --json")))
     yield "Files: a scene", dict.fromkeys(scene_keys())

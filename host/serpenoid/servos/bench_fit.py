@@ -19,16 +19,33 @@ from ..base.errors import BadInput
 from ..base.maxima import Maximum, log_density, maxima
 from ..base.particles import explored
 from ..model.drives import ServoKind
-from .bench_test import UNREPORTED, Array, BenchModel, BenchTest, Prior, Values
+from .bench_test import Array, BenchModel, BenchTest, Prior, Values
 
-# With half the moves the tails of friction and dead band are too short.
-POPULATION, MOVES = 96, 400  # samples that move together, at each rate of the loop
-SAMPLES, SERVO_COUNT = 384, 128  # that intervals are made of, and servos in a file
-DRAWN_STARTS, BEST_STARTS = 1024, 8  # servos drawn; least squares start from the best of them
 MIN_P_VALUE = 0.01  # a p-value below which the model does not describe the table
-BLOCK_ROWS, MIN_BLOCKS = 8, 5  # rows whose mean residual is tested; blocks beyond the parameters
-MAX_SIGMA_RATIO = 0.6  # share of the prior's sigma: a value that keeps more is open
 FAR_SIGMAS = 3.0  # standard deviations of the prior: values beyond are named
+
+
+@dataclass(frozen=True)
+class FitTuning:
+    """How a test is fitted; `studies/bench_tests.py` shows what its intervals are worth.
+
+    drawn_starts: servos that are drawn, and best_starts: from which least squares start.
+    population: samples that move together, at each rate of the loop; moves: with half as many the
+    tails of friction and dead band are too short. samples: of which intervals are made;
+    servo_count: servos in a file. max_sigma_ratio: share of the prior's sigma; a value that keeps
+    more is open.
+    """
+
+    drawn_starts: int = 1024
+    best_starts: int = 8
+    population: int = 96
+    moves: int = 400
+    samples: int = 384
+    servo_count: int = 128
+    max_sigma_ratio: float = 0.6
+
+
+TUNING = FitTuning()
 
 
 class Measured(NamedTuple):
@@ -76,11 +93,11 @@ class MeasuredServo:
 
     @property
     def determined(self) -> dict[str, Measured]:
-        """Return what the test determines."""
+        """Return what the test determines: values whose sigma is below that of the prior."""
         return {
             name: value
             for name, value in self.values.items()
-            if value.sigma < MAX_SIGMA_RATIO * value.prior_sigma
+            if value.sigma < TUNING.max_sigma_ratio * value.prior_sigma
         }
 
     @property
@@ -99,7 +116,7 @@ def _searched(model: BenchModel, continuous: Fit | None, rng: np.random.Generato
     step of a sampled loop waits for a sample, up to a period longer or shorter.
     """
     # Starts are drawn from 1.5 standard deviations of the priors.
-    starts = 1.5 * rng.normal(size=(DRAWN_STARTS, model.size))
+    starts = 1.5 * rng.normal(size=(TUNING.drawn_starts, model.size))
     first_step = len(model.names)
     starts[:, first_step:] = 0.0
     if continuous is not None:
@@ -110,29 +127,32 @@ def _searched(model: BenchModel, continuous: Fit | None, rng: np.random.Generato
         )
         starts[:, [zero, gain, start, delay]] = x[[zero, gain, start, delay]]
         starts[:, delay] -= 0.5 * model.period_s / model.priors["delay_s"].sigma
-        waits_s = model.period_s * rng.uniform(-0.5, 0.5, (DRAWN_STARTS, model.steps))
+        waits_s = model.period_s * rng.uniform(-0.5, 0.5, (len(starts), model.steps))
         delays_s = smooth_model.step_delays_s(x) + waits_s
         starts[:, first_step:] = delays_s / model.step_sigma_s
     misfit = np.sum(model.residuals(starts) ** 2, axis=1)
-    return model, maxima(model.residuals, starts[np.argsort(misfit)[:BEST_STARTS]])
+    return model, maxima(model.residuals, starts[np.argsort(misfit)[: TUNING.best_starts]])
 
 
-def _verdict(model: BenchModel, best: Maximum) -> Verdict:
+def _verdict(
+    model: BenchModel, best: Maximum, block_rows: int = 8, min_freedom: int = 5
+) -> Verdict:
     """Return whether residuals are as large as the noise, and have no pattern.
 
     Two tests: the sum of squares over the noise that was stated; and means of neighbouring rows,
     which scatter as their rows do if errors of rows are independent. The two are independent, so
-    that the smaller one of their p-values p occurs by chance with 1 - (1 - p)^2.
+    that the smaller one of their p-values p occurs by chance with 1 - (1 - p)^2. block_rows:
+    neighbours; min_freedom: blocks beyond the parameters.
     """
     from scipy.special import chdtrc, fdtrc
 
     test, residual = model.test, -model.residuals(best.x[None])[0]
     chi2, freedom = float(residual @ residual), max(residual.size - best.determined, 1.0)
-    blocks = np.array_split(residual, max(residual.size // BLOCK_ROWS, 1))
+    blocks = np.array_split(residual, max(residual.size // block_rows, 1))
     means = np.array([block.mean() * math.sqrt(block.size) for block in blocks])
     between_freedom, within_freedom = len(blocks) - best.determined, residual.size - len(blocks)
     p_values, ratio = [], max(chi2 / freedom, 1.0)
-    if between_freedom >= MIN_BLOCKS:
+    if between_freedom >= min_freedom:
         rounding = max((test.resolution_rad / model.noise_rad) ** 2 / 12, 1e-18)
         within = max((chi2 - float(means @ means)) / within_freedom, rounding)
         between = float(means @ means) / between_freedom
@@ -175,7 +195,7 @@ def servo_of_test(test: BenchTest, like: ServoKind, *, name: str = "measured") -
     )
     pairs = zip(parts, samples, strict=True)
     servos = list(chain.from_iterable(model.servos(x, rng) for (model, _), x in pairs))
-    drawn = tuple(servos[k] for k in rng.permutation(len(servos))[:SERVO_COUNT])
+    drawn = tuple(servos[k] for k in rng.permutation(len(servos))[: TUNING.servo_count])
     (typical,) = best_model.servos(best_model.values(best_peaks[0].x[None]), rng)
     source = f"a bench test of one joint, from {like.name}"
     return MeasuredServo(
@@ -183,7 +203,7 @@ def servo_of_test(test: BenchTest, like: ServoKind, *, name: str = "measured") -
         {
             key: _measured(key, model.priors[key], samples)
             for key in model.names
-            if key not in UNREPORTED
+            if model.priors[key].reported
         },
         verdict,
         {key: sigmas for key, sigmas in named if abs(sigmas) > FAR_SIGMAS},
@@ -194,16 +214,17 @@ def _sampled(fits: list[Fit], rng: np.random.Generator) -> list[tuple[BenchModel
     """Return samples (K, P) of each fit that counts, as many as its mass says."""
     masses = np.array([max(peak.log_mass for peak in peaks) for _, peaks in fits])
     shares = np.exp(masses - masses.max())
-    counts = np.round(SAMPLES * shares / shares.sum()).astype(int).tolist()
+    counts = np.round(TUNING.samples * shares / shares.sum()).astype(int).tolist()
     parts = []
     for (model, peaks), count in zip(fits, counts, strict=True):
         if count:
             weights = np.exp([peak.log_mass - masses.max() for peak in peaks])
-            chosen = rng.choice(len(peaks), POPULATION, p=weights / weights.sum())
-            normal = rng.normal(size=(POPULATION, model.size))
+            chosen = rng.choice(len(peaks), TUNING.population, p=weights / weights.sum())
+            normal = rng.normal(size=(len(chosen), model.size))
             offsets = [peaks[k].root @ row for k, row in zip(chosen, normal, strict=True)]
             x = np.array([peaks[k].x for k in chosen]) + offsets
-            x = np.concatenate(explored(x, partial(log_density, model.residuals), MOVES, rng))
+            density = partial(log_density, model.residuals)
+            x = np.concatenate(explored(x, density, TUNING.moves, rng))
             parts.append((model, x[rng.permutation(len(x))[:count]]))
     return parts
 

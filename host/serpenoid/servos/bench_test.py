@@ -20,12 +20,6 @@ from ..base.vectors import Array
 from ..model.drives import Servo, ServoKind
 
 Values = dict[str, Array]
-GRAVITY_M_S2 = 9.81
-MIN_ROWS, MAX_TEST_S = 10, 20.0  # Limits of a table: number of rows, and duration.
-MAX_LOAD_KG, MAX_LOAD_M = 5.0, 1.0  # Their torque, 49 N m, is ten times a large hobby servo's.
-MIN_GAIN, MAX_GAIN = 0.1, 1.7  # Limits of angle over setpoint; outside them a unit was mistaken.
-MIN_SPAN_RAD = math.radians(4.0)  # Smallest span of setpoints, above dead band and play of gears.
-MAX_STEPS = 40  # Most steps with separate delays; the many setpoints of a gait share one delay.
 
 
 @dataclass(frozen=True)
@@ -42,8 +36,9 @@ class Load:
     down_rad: float = 0.0
 
     def __post_init__(self) -> None:
-        check_number("mass_kg", self.mass_kg, 0.0, MAX_LOAD_KG, open_low=True)
-        check_number("distance_m", self.distance_m, 0.0, MAX_LOAD_M, open_low=True)
+        # 5 kg at 1 m pull with ten times the torque of a large hobby servo.
+        check_number("mass_kg", self.mass_kg, 0.0, 5.0, open_low=True)
+        check_number("distance_m", self.distance_m, 0.0, 1.0, open_low=True)
 
 
 @dataclass(frozen=True)
@@ -64,20 +59,22 @@ class BenchTest:
     sent_s: Array | None = None
 
     def __post_init__(self) -> None:
+        self._check()
+
+    def _check(self, min_rows: int = 10, max_s: float = 20.0, min_deg: float = 4.0) -> None:
         rows = self.t_s.size
-        if rows < MIN_ROWS or not (np.diff(self.t_s) > 0).all():
+        if rows < min_rows or not (np.diff(self.t_s) > 0).all():
             raise BadInput(
-                f"a bench test needs {MIN_ROWS} rows or more at rising times; it has {rows}"
+                f"a bench test needs {min_rows} rows or more at rising times; it has {rows}"
             )
         duration_s = float(np.ptp(self.t_s))
-        if duration_s > MAX_TEST_S:
-            raise BadInput(f"the test lasts {duration_s:.3g} s; give {MAX_TEST_S:.0f} s at most")
-        span_rad = float(np.ptp(self.setpoint_rad))
-        if span_rad < MIN_SPAN_RAD:
+        if duration_s > max_s:
+            raise BadInput(f"the test lasts {duration_s:.3g} s; give {max_s:.0f} s at most")
+        span_deg = math.degrees(np.ptp(self.setpoint_rad))
+        if span_deg < min_deg:  # Dead band and play of gears take about as much.
             raise BadInput(
-                f"the setpoints span {math.degrees(span_rad):.2g} degrees, which shows nothing; "
-                f"send steps of {math.degrees(MIN_SPAN_RAD):.0f} or more, or a gait. If these are "
-                "radians, write degrees"
+                f"the setpoints span {span_deg:.2g} degrees, which shows nothing; send steps of "
+                f"{min_deg:.0f} or more, or a gait. If these are radians, write degrees"
             )
 
     @property
@@ -101,11 +98,15 @@ class BenchTest:
 
 
 class Prior(NamedTuple):
-    """Normal prior of a parameter about a typical value, or normal prior of its logarithm."""
+    """Normal prior of a parameter about a typical value, or normal prior of its logarithm.
+
+    reported: whether the parameter describes the servo or the table.
+    """
 
     typical: float
     sigma: float
     logarithmic: bool = False
+    reported: bool = True
 
     def value(self, x: Array) -> Array:
         """Return values (K,) in the parameter's unit, given x (K,) in standard deviations."""
@@ -114,12 +115,6 @@ class Prior(NamedTuple):
         return self.typical + self.sigma * x
 
 
-# Priors of a test's own parameters, beside those of the servo.
-TEST_PRIORS = {
-    "zero_rad": Prior(0.0, math.radians(10.0)),  # The teeth of a horn are 14 to 17 degrees apart.
-    "delay_s": Prior(0.01, 0.05),  # Half a frame of 20 ms, plus the delay of the log.
-    "start_rad": Prior(0.0, math.radians(0.5)),  # Correction to the mean before the first step.
-}
 # An unstated load has two unknown torques, over the stall torque, with the joint at 0 and at 90
 # degrees. A stated load is uncertain by its mass times distance and the angle of hanging down.
 UNSTATED_LOAD = {
@@ -127,11 +122,9 @@ UNSTATED_LOAD = {
     "load_over_torque_at_90_deg": Prior(0.0, 0.1),
 }
 STATED_LOAD = {
-    "load_moment_ratio": Prior(1.0, 0.02, logarithmic=True),
-    "load_down_rad": Prior(0.0, math.radians(5.0)),
+    "load_moment_ratio": Prior(1.0, 0.02, logarithmic=True, reported=False),
+    "load_down_rad": Prior(0.0, math.radians(5.0), reported=False),
 }
-# Parameters that describe neither the servo nor the table.
-UNREPORTED = {"start_rad", *STATED_LOAD}
 
 
 def servo_priors(kind: ServoKind) -> dict[str, Prior]:
@@ -176,15 +169,25 @@ class BenchModel:
 
     Parameters x are (K, P), in standard deviations from their typical values. The first ones are
     those in names; the last ones are the delays of single steps. update_hz: rate of the servo's
-    control loop; 0 for a continuous loop.
+    control loop; 0 for a continuous loop. max_steps: most steps with separate delays; the many
+    setpoints of a gait share one delay.
     """
 
-    def __init__(self, test: BenchTest, kind: ServoKind, update_hz: float) -> None:
+    def __init__(
+        self, test: BenchTest, kind: ServoKind, update_hz: float, max_steps: int = 40
+    ) -> None:
         self.test, self.kind, self.update_hz = test, kind, update_hz
         self.period_s = 1 / update_hz if update_hz else 0.0
-        self.priors = servo_priors(kind) | TEST_PRIORS
-        # The gain is the ratio of a change of the angle to that of the setpoint.
-        self.priors["gain"] = Prior(_gain_sign(test), 0.05, logarithmic=True)
+        self.priors = servo_priors(kind) | {
+            # The teeth of a horn are 14 to 17 degrees apart.
+            "zero_rad": Prior(0.0, math.radians(10.0)),
+            # Half a frame of 20 ms, plus the delay of the log.
+            "delay_s": Prior(0.01, 0.05),
+            # Correction to the mean before the first step.
+            "start_rad": Prior(0.0, math.radians(0.5), reported=False),
+            # The gain is the ratio of a change of the angle to that of the setpoint.
+            "gain": Prior(_gain_sign(test), 0.05, logarithmic=True),
+        }
         self.priors |= UNSTATED_LOAD if test.load is None else STATED_LOAD
         self.names = [name for name, prior in self.priors.items() if prior.sigma > 0]
         changes = np.flatnonzero(np.diff(test.setpoint_rad)) + 1
@@ -192,7 +195,7 @@ class BenchModel:
         self.setpoints_rad = test.setpoint_rad[np.r_[0, changes]]
         self.sent_s = np.r_[test.t_s[0], sent_s[changes]]
         self.start_rad = float(np.mean(test.angle_rad[: changes[0]][-5:]))
-        self.steps = changes.size if changes.size <= MAX_STEPS else 0
+        self.steps = changes.size if changes.size <= max_steps else 0
         # A step waits for the next frame of 20 ms and for the loop's next sample, both uniform.
         self.step_sigma_s = math.hypot(0.006, self.period_s / math.sqrt(12))
         self.size = len(self.names) + self.steps
@@ -248,7 +251,7 @@ class BenchModel:
             moment_nm = fields["torque_limit_nm"] * np.hypot(at_0, at_90)
             down_rad = -np.arctan2(at_0, at_90)
         elif load.level:
-            weight = load.mass_kg * load.distance_m * GRAVITY_M_S2
+            weight = load.mass_kg * load.distance_m * 9.81
             moment_nm = weight * values["load_moment_ratio"]
             down_rad = load.down_rad + values["load_down_rad"]
         fields |= {
@@ -302,10 +305,11 @@ class BenchModel:
         ]
 
 
-def _gain_sign(test: BenchTest) -> float:
+def _gain_sign(test: BenchTest, min_gain: float = 0.1, max_gain: float = 1.7) -> float:
     """Return 1, or -1 if angles decrease with setpoints; raises BadInput if their units differ.
 
     The gain is the largest regression slope of angles over setpoints delayed by 0 to 0.3 s.
+    min_gain, max_gain: limits outside which a unit was mistaken.
     """
     angle, gain = test.angle_rad - test.angle_rad.mean(), 0.0
     for delay_s in np.arange(0.0, 0.31, 0.02):
@@ -313,7 +317,7 @@ def _gain_sign(test: BenchTest) -> float:
         setpoint -= setpoint.mean()
         slope = setpoint @ angle / max(setpoint @ setpoint, 1e-12)
         gain = max(gain, float(slope), key=abs)
-    if not MIN_GAIN < abs(gain) < MAX_GAIN:
+    if not min_gain < abs(gain) < max_gain:
         raise BadInput(
             f"the angle moves by {gain:.2g} degrees for a degree of the setpoint; both must be "
             "the joint's, in degrees (57 or 0.017: one of them is in radians)"

@@ -21,8 +21,9 @@ A sheet's name is the same prior with two numbers changed: its torque and its sp
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -31,11 +32,8 @@ from ..base.files import write_named
 from ..base.toml_table import Table, located
 from ..model.drives import REMOVED, UNCERTAIN, Servo, ServoKind
 
-_MOTOR_S, _FRICTION, _DAMPING, _FULL_RAD = 0.037, 0.05, 0.07, 0.17
-_BAND_RAD = math.radians(0.09 * 6 / 2)  # 6 us in all; 1000 us are 90 degrees; sheets say 3 to 10
-_LOOKS_HZ = (50.0, 300.0)  # analogue, digital
-# Where nobody has measured it, the voltage at the plug: 4.8 to 6 V, all as likely.
-_PLUG_V = math.sqrt(4.8 * 6.0)
+# Sigma of the logarithms of what nobody has measured. The voltage at the plug is 4.8 to 6 V, all as
+# likely.
 _UNMEASURED = {
     "stiffness_nm_rad": 0.5,
     "armature_kg_m2": 0.5,
@@ -45,7 +43,6 @@ _UNMEASURED = {
     "supply_sag": 0.7,
     "supply_v": math.log(6.0 / 4.8) / math.sqrt(12),
 }
-_SHEET, _TYPICAL, _ANY = (0.2, 0.12), (0.35, 0.2), (0.5, 0.25)  # sigma of torque and speed
 _MEASURED = {
     "torque_limit_nm": 0.1,
     "speed_limit_rad_s": 0.1,
@@ -62,30 +59,38 @@ def _of_sheet(
     name: str,
     kg_cm: float,
     s_60_deg: float,
-    supply_v: float,
-    sigma: tuple[float, float],
-    source: str,
+    supply_v: float = 6.0,
+    source: str = "typical, no source; all but torque and speed as hobby",
+    *,
+    torque_sigma: float = 0.35,
+    speed_sigma: float = 0.2,
+    friction: float = 0.05,
+    damping: float = 0.07,
 ) -> ServoKind:
-    """Return the prior with a sheet's torque, kg cm, and seconds for 60 degrees at a voltage."""
+    """Return the prior with a sheet's torque, kg cm, and seconds for 60 degrees at a voltage.
+
+    friction, damping: the gear's, over the motor's torque and over its torque by speed.
+    """
     # One kg cm is 0.0980665 N m.
-    torque = kg_cm * 0.0980665 / (1 - _FRICTION)
-    speed = math.radians(60) / s_60_deg * (1 + _DAMPING) / (1 - _FRICTION)
+    torque = kg_cm * 0.0980665 / (1 - friction)
+    speed = math.radians(60) / s_60_deg * (1 + damping) / (1 - friction)
     line = torque / speed
     servo = Servo(
-        torque / _FULL_RAD,
+        torque / 0.17,
         line,
         torque,
         speed,
-        _BAND_RAD,
-        armature_kg_m2=_MOTOR_S * line,
-        gear_friction_nm=_FRICTION * torque,
-        gear_damping_nms_rad=_DAMPING * line,
-        update_hz=_LOOKS_HZ[0],
+        math.radians(0.27),  # 6 us in all, of which sheets say 3 to 10; 1000 us are 90 degrees
+        armature_kg_m2=0.037 * line,
+        gear_friction_nm=friction * torque,
+        gear_damping_nms_rad=damping * line,
+        update_hz=50.0,
         supply_sag=0.04,
         supply_v=supply_v,
     )
-    doubt = dict(zip(("torque_limit_nm", "speed_limit_rad_s"), sigma, strict=True))
-    return ServoKind(name, servo.at_volts(_PLUG_V), _UNMEASURED | doubt, _LOOKS_HZ, source)
+    doubt = _UNMEASURED | {"torque_limit_nm": torque_sigma, "speed_limit_rad_s": speed_sigma}
+    # Analogue servos look 50 times a second, digital ones 300 times.
+    return ServoKind(name, servo.at_volts(math.sqrt(4.8 * 6.0)), doubt, (50.0, 300.0), source)
 
 
 def _identified(
@@ -109,54 +114,49 @@ def _identified(
     return ServoKind(name, servo, _MEASURED, (), f"github.com/Rhoban/bam, M1, at {volt:g} V")
 
 
-_NO_SOURCE = "typical, no source; all but torque and speed as hobby"
-_KINDS = [
-    _of_sheet("hobby", 4.0, 0.15, 6.0, _ANY, "between all servos of this table"),
-    _of_sheet(
-        "SG90",
-        1.8,
-        0.10,
-        4.8,
-        _SHEET,
-        "data sheet, 4.8 V: smarthon-docs-zh.readthedocs.io; all but torque and speed as hobby",
+def _measured_sheet(name: str, kg_cm: float, s_60_deg: float, volt: float, page: str) -> ServoKind:
+    """Return the prior with the numbers of a data sheet that is on a page."""
+    source = f"data sheet, {volt:g} V: {page}; all but torque and speed as hobby"
+    return _of_sheet(name, kg_cm, s_60_deg, volt, source, torque_sigma=0.2, speed_sigma=0.12)
+
+
+# What every prediction from a session takes unless told.
+HOBBY = _of_sheet(
+    "hobby",
+    4.0,
+    0.15,
+    source="between all servos of this table",
+    torque_sigma=0.5,
+    speed_sigma=0.25,
+)
+_KINDS = (
+    HOBBY,
+    _measured_sheet("SG90", 1.8, 0.10, 4.8, "smarthon-docs-zh.readthedocs.io"),
+    _measured_sheet(
+        "MG90S", 2.2, 0.08, 6.0, "github.com/TrDA-hab/Projects, Servo+ESP8266/MG90S-Datasheet.pdf"
     ),
-    _of_sheet(
-        "MG90S",
-        2.2,
-        0.08,
-        6.0,
-        _SHEET,
-        "data sheet, 6 V: github.com/TrDA-hab/Projects, Servo+ESP8266/MG90S-Datasheet.pdf; "
-        "all but torque and speed as hobby",
-    ),
-    _of_sheet(
+    _measured_sheet(
         "MG996R",
         11.0,
         0.14,
         6.0,
-        _SHEET,
-        "data sheet, 6 V: github.com/neko0xff/note_hardware, motor_mg996r; shops say 9.4 to 15 "
-        "kg cm; "
-        "all but torque and speed as hobby",
+        "github.com/neko0xff/note_hardware, motor_mg996r; shops say 9.4 to 15 kg cm",
     ),
-    _of_sheet("HS-422", 4.1, 0.16, 6.0, _TYPICAL, _NO_SOURCE),
-    _of_sheet(
+    _of_sheet("HS-422", 4.1, 0.16),
+    _measured_sheet(
         "S3003",
         4.1,
         0.19,
         6.0,
-        _SHEET,
-        "data sheet, 6 V: github.com/rngadam/XinCheJian-GGHC/wiki/Mechanical-design; "
-        "all but torque and speed as hobby",
+        "github.com/rngadam/XinCheJian-GGHC/wiki/Mechanical-design",
     ),
-    _of_sheet("DS3218", 19.0, 0.16, 6.0, _TYPICAL, _NO_SOURCE),
+    _of_sheet("DS3218", 19.0, 0.16),
     _identified("XL-320", 0.98695, 35.609, 7.4, 1.1190e-3, 0.027515, 0.0033176),
     _identified("XL-330", 0.37005, 3.4983, 5.0, 1.9898e-3, 0.018212, 0.0059020),
     _identified("STS3215", 1.17763, 2.47868, 7.4, 0.0260829, 0.0515205, 0.0598916),
     _identified("MX-64", 1.62247, 3.94943, 12.0, 0.0119512, 0.0903868, 0.0116916),
-]
+)
 SERVOS = {kind.name: kind for kind in _KINDS}
-HOBBY = SERVOS["hobby"]  # what every prediction from a session takes unless told
 
 
 def servo(name: str | Path = "hobby") -> ServoKind:
@@ -182,10 +182,9 @@ def servo(name: str | Path = "hobby") -> ServoKind:
     >>> sn.servo("MG996R").name
     'MG996R'
     """
-    letters = str(name).lower().replace("-", "").replace(" ", "")
-    for title, kind in SERVOS.items():
-        if letters == title.lower().replace("-", ""):
-            return kind
+    plain = {re.sub("[- ]", "", title).lower(): kind for title, kind in SERVOS.items()}
+    if kind := plain.get(re.sub("[- ]", "", str(name)).lower()):
+        return kind
     if Path(name).suffix == ".toml":
         return load_servo(name)
     raise BadInput(
@@ -194,7 +193,6 @@ def servo(name: str | Path = "hobby") -> ServoKind:
 
 
 FORMAT = 1
-_FIELDS = tuple(field.name for field in fields(Servo))
 
 
 def load_servo(path: str | Path) -> ServoKind:
@@ -239,7 +237,7 @@ def load_servo(path: str | Path) -> ServoKind:
     top.only("format", "servo", optional=tuple(readers))
     table = top.table("servo").without_removed(REMOVED)
     with located(table.heading):
-        servo = Servo(**_numbers(table, _FIELDS))
+        servo = Servo(**_numbers(table, Servo.__match_args__))
     values: dict[str, Any] = {"name": Path(path).stem, "source": str(path)}
     values |= {key: read(key) for key, read in readers.items() if key in top.values}
     return ServoKind(servo=servo, **values)
@@ -253,7 +251,7 @@ def _numbers(table: Table, names: tuple[str, ...], *limits: float) -> dict[str, 
 
 def _drawn(table: Table, typical: Servo) -> tuple[Servo, ...]:
     """Return the servos of [drawn]: lists of equal length, by field."""
-    table.only(optional=_FIELDS)
+    table.only(optional=Servo.__match_args__)
     columns = {name: table.numbers(name) for name in table.values}
     counts = {len(values) for values in columns.values()}
     if len(counts) != 1:
@@ -296,7 +294,6 @@ def save_servo(kind: ServoKind, path: str | Path) -> None:
     if kind.drawn:
         values["drawn"] = {
             name: [float(f"{getattr(servo, name):.6g}") for servo in kind.drawn]
-            for name in _FIELDS
-            if len({getattr(servo, name) for servo in (*kind.drawn, kind.servo)}) > 1
+            for name in Servo.__match_args__
         }
     write_named(path, tomli_w.dumps(values))

@@ -121,7 +121,7 @@ def test_the_command_writes_a_file_that_others_take(tmp_path: Path, table) -> No
     assert "Without load the servo turns at about " in told
     assert "Open: " in told
     kind = sn.servo(out)
-    assert len(kind.drawn) == bench_fit.SERVO_COUNT
+    assert len(kind.drawn) == bench_fit.TUNING.servo_count
 
 
 @pytest.mark.slow
@@ -132,9 +132,8 @@ def test_a_table_beyond_the_model_gives_a_file_with_a_remark_or_none(
 
     A few moves of the samples will do: their intervals are not looked at.
     """
-    few = {"MOVES": 10, "BEST_STARTS": 2, "DRAWN_STARTS": 128, "SAMPLES": 64, "SERVO_COUNT": 16}
-    for name, count in few.items():
-        monkeypatch.setattr(bench_fit, name, count)
+    little = bench_fit.FitTuning(128, 2, moves=10, samples=64, servo_count=16)
+    monkeypatch.setattr(bench_fit, "TUNING", little)
     test = table("continuous", 9)
     wall = replace(test, angle_rad=np.minimum(test.angle_rad, 0.35))
     file, out = written(wall, tmp_path / "wall.csv"), tmp_path / "wall.toml"
