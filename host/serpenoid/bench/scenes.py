@@ -1,4 +1,4 @@
-"""What each term of a scene costs, on and off: processor time of a Runge-Kutta step."""
+"""Measure what each term of a scene costs: processor time of a Runge-Kutta step with it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,10 @@ from ..simulation.simulate import simulate
 
 @dataclass(frozen=True)
 class Cost:
-    """Hold what one step of a scene costs, and its ratio to the plain scene's."""
+    """The cost of one scene.
+
+    step_us: processor time of a step, microseconds. ratio: step_us over that of the plain scene.
+    """
 
     formulation: str
     scene: str
@@ -26,7 +29,7 @@ class Cost:
 
 
 def variants(formulation: str, steps: int) -> dict[str, Scene]:
-    """Return the plain scene and others with one term changed each."""
+    """Return scenes by name: the plain one first, and others with one term more."""
     plain = Scene(
         *PRESETS["paper"],
         Gait.degrees(30, 80, omega_rad_s=5.0),
@@ -51,16 +54,16 @@ def variants(formulation: str, steps: int) -> dict[str, Scene]:
 
 
 def measure(quick: bool) -> Iterator[Cost]:
-    """Yield the cost of each scene of both formulations, the fastest of five rounds."""
+    """Yield the cost of each scene of both formulations; quick: from shorter runs."""
     steps = 5_000 if quick else 20_000
     for formulation in FORMULATIONS:
         plain_us = 0.0
         for name, scene in variants(formulation, steps).items():
             times_s = []
             for _ in range(5):
-                begin = time.thread_time()
+                start_s = time.thread_time()
                 simulate(scene)
-                times_s.append(time.thread_time() - begin)
+                times_s.append(time.thread_time() - start_s)
             step_us = 1e6 * min(times_s) / steps
             plain_us = plain_us or step_us
             yield Cost(formulation, name, step_us, step_us / plain_us)

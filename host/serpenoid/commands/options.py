@@ -1,4 +1,4 @@
-"""The table of options that several commands have, and what they make: robot, gait, servo, JSON."""
+"""Options that several commands share, and functions that turn them into robot, gait and servo."""
 
 from __future__ import annotations
 
@@ -40,16 +40,16 @@ IDEAL = "ideal"
 AS_JSON = flag("--json", "as_json", "Answer with JSON.")
 CAPTURE_FPS = number(
     OPTION,
-    "Pictures a second that the camera took, of slow motion whose file has no tag that says so.",
+    "Frames a second that the camera recorded, for slow motion whose file does not state it.",
 )
 
 
-def _listed(_ctx: click.Context, _option: click.Parameter, gaits: Any) -> list[sn.Gait]:
+def _typed_gaits(_ctx: click.Context, _option: click.Parameter, gaits: Any) -> list[sn.Gait]:
     return [sn.Gait.degrees(alpha, beta, hertz=hertz) for alpha, beta, hertz in gaits]
 
 
 row("as_json", AS_JSON)
-row("verbose", flag("--verbose", "Print errors, margins and other powers, too."))
+row("verbose", flag("--verbose", "Print errors, margins and other powers too."))
 row("capture_fps", CAPTURE_FPS)
 row("session", click.argument("session", type=FOLDER))
 row(
@@ -77,7 +77,7 @@ row(
         nargs=3,
         multiple=True,
         metavar="ALPHA_DEG BETA_DEG HZ",
-        callback=_listed,
+        callback=_typed_gaits,
     ),
 )
 row(
@@ -108,8 +108,8 @@ row(
 row("figure", option("--plot", "figure", "PNG, PDF or SVG to draw.", type=OutFile(*FIGURES)))
 
 
-def _both_ways(name: str, text: str) -> float | tuple[float, ...]:
-    """Read one number, or two for ratchet wheels: forwards,backwards; Ground says which may be."""
+def _ratchet_pair(name: str, text: str) -> float | tuple[float, ...]:
+    """Return one number, or several of a text such as 0.084,0.3; Ground checks how many."""
     numbers = tuple(parsed_number(name, part) for part in text.split(","))
     return numbers[0] if len(numbers) == 1 else numbers
 
@@ -117,7 +117,7 @@ def _both_ways(name: str, text: str) -> float | tuple[float, ...]:
 ROBOT = (
     Setting(
         "links",
-        "number of links; more or fewer of the same, unless mass and friction are set too",
+        "number of links; each keeps its mass and friction unless these are set too",
         limits=Limits(2, 100_000),
         usual="6",
     ),
@@ -134,16 +134,22 @@ ROBOT = (
 RATCHET = "ratchet wheels: forwards,backwards"
 FRICTION = (
     Setting(
-        "ct", f"viscous, along the snake; {RATCHET}", "N s/m", NOT_NEGATIVE, "0.084", _both_ways
+        "ct", f"viscous, along the snake; {RATCHET}", "N s/m", NOT_NEGATIVE, "0.084", _ratchet_pair
     ),
     Setting("cn", "viscous friction across the whole snake", "N s/m", NOT_NEGATIVE, "1.2"),
-    Setting("ft0", f"dry, along the snake; {RATCHET}", "N", NOT_NEGATIVE, "0.14", _both_ways),
+    Setting("ft0", f"dry, along the snake; {RATCHET}", "N", NOT_NEGATIVE, "0.14", _ratchet_pair),
     Setting("fn0", "dry friction across the whole snake", "N", NOT_NEGATIVE, "0.27"),
 )
-OFFSET = Setting("offset_deg", "bend of every joint: steers", "deg", Limits(-180, 180), "0")
+OFFSET = Setting(
+    "offset_deg", "angle added to every joint, to steer", "deg", Limits(-180, 180), "0"
+)
 SPRINGS = (
-    Setting("joint_stiffness_n_m", "implicit model: k of the joints", "N/m", POSITIVE, "1000"),
-    Setting("joint_damping_n_s_m", "implicit model: c of the joints", "N s/m", NOT_NEGATIVE, "1"),
+    Setting(
+        "joint_stiffness_n_m", "implicit model: stiffness k of the joints", "N/m", POSITIVE, "1000"
+    ),
+    Setting(
+        "joint_damping_n_s_m", "implicit model: damping c of the joints", "N s/m", NOT_NEGATIVE, "1"
+    ),
 )
 PINNED = "the joints are pinned; give --formulation implicit too"
 PLUG = (
@@ -162,7 +168,7 @@ RTOL = Setting("rtol", "relative accuracy of the speed", usual="1e-6")
 
 
 def servo_kind(name: str, settings: Values) -> sn.ServoKind:
-    """Return servos of a name or file, at the plug's settings."""
+    """Return the kind of servo of a name or file, at the voltage and frame time that are set."""
     kind = sn.servo(name)
     if "volts" in settings:
         kind = kind.at_volts(settings["volts"])
@@ -173,9 +179,10 @@ GAIT = "alpha_deg", "beta_deg", "offset_deg", "frequency_hz", "omega_rad_s"
 
 
 def make_gait(typed: Values, base: sn.Gait | None = None) -> sn.Gait:
-    """Return the gait of typed options and settings (None: not given), over `base` if there is one.
+    """Return the gait of typed options and settings, None where not given.
 
-    Its joints have the gains and shifts of the base.
+    base: gait whose values, and whose joints' gains and shifts, hold where nothing is given. Raises
+    BadInput if there is no base and a value is missing.
     """
     values = {name: typed[name] for name in GAIT if typed.get(name) is not None}
     if "frequency_hz" in values:
@@ -197,16 +204,15 @@ def make_gait(typed: Values, base: sn.Gait | None = None) -> sn.Gait:
 
 
 def describe(gait: sn.Gait) -> Values:
-    """Return a gait as it is typed."""
+    """Return a gait's values by the names of the options: angles in deg, rate in rad/s."""
     angles = {name: getattr(gait, name.replace("_deg", "_rad")) for name in GAIT[:3]}
-    degrees = {
-        name: round(math.degrees(angle), 10) for name, angle in angles.items()
-    }  # 30, not 29.99
+    # Rounding turns 29.999999999999996 into 30.
+    degrees = {name: round(math.degrees(angle), 10) for name, angle in angles.items()}
     return degrees | {"omega_rad_s": gait.omega_rad_s}
 
 
 def interruptible(work: Callable[[], T]) -> T:
-    """Return work(), run in a thread: Python hears Ctrl-C only while it is not in the core."""
+    """Return work(), run in a thread, so that Ctrl-C is noticed while the core computes."""
     from concurrent.futures import Future
 
     from ..base.long_calls import stoppable
@@ -229,30 +235,30 @@ def interruptible(work: Callable[[], T]) -> T:
 
 
 def busy(what: str, work: Callable[[Callable[[float], object]], T]) -> T:
-    """Return work(), which takes what shows the share of it that is done, and show that it goes on.
+    """Return work(show_share) and show meanwhile that it is running, by the words in `what`.
 
-    Ctrl-C ends both, so this thread shows it.
+    show_share: function of the share of the work done, 0 to 1. Ctrl-C ends the work.
     """
     with working(what) as show_share:
         return interruptible(lambda: work(show_share))
 
 
-def tell(result: Any, as_json: bool, verbose: bool, notes: Values) -> None:
-    """Print a result: as JSON with the notes of its fit, or its first sentence and its table."""
+def print_result(result: Any, as_json: bool, verbose: bool, notes: Values) -> None:
+    """Print a result as JSON with the notes of its fit, or as a sentence and a table."""
     from ..show import report
 
     show_json(result.to_dict() | notes) if as_json else report.show(result, verbose=verbose)
 
 
 def show_json(values: Values, path: Path | None = None) -> None:
-    """Print strict JSON, or write it into a file; what is not finite becomes null."""
+    """Print strict JSON, or write it to a file; NaN and infinity become null."""
     values = json.loads(json.dumps(values), parse_constant=lambda _: None)
     text = json.dumps(values, indent=2)
     say(text) if path is None else write_text(path, text + "\n")
 
 
 def warn_of_two_motions(state: sn.Steady) -> sn.Steady:
-    """Return the state with where a start from rest leads; warn where there are two motions."""
+    """Return the state with its `from_rest`; warn if the gait has two stable motions."""
     from ..simulation.from_rest import from_rest, two_motions_text
 
     state = replace(state, from_rest=interruptible(lambda: from_rest(state)))
@@ -265,8 +271,8 @@ def warn_of_two_motions(state: sn.Steady) -> sn.Steady:
 class Snake:
     """A robot on its ground.
 
-    fit: whose friction it is; None of a preset, of a scene, and where a number of it was changed.
-    session: that it came from, if it did. notes: of its fit, for JSON.
+    fit: the fit of its friction; None for presets, scenes and changed numbers. session: the session
+    that it comes from; None if it comes from elsewhere. notes: remarks on the fit, for JSON.
     """
 
     robot: sn.Robot
@@ -279,8 +285,8 @@ class Snake:
 def named_snake(name: str) -> Snake:
     """Return the robot and ground of a preset, a session's folder, a fit.json or a scene.
 
-    "2005" is the robot of the paper's experiment, "paper" that of its theory. What forbids to trust
-    a fit is told. Raises BadInput for a name that is none of these.
+    "2005" is the robot of the paper's experiment, "paper" that of its theory. A warning says if the
+    fit is not to be trusted. Raises BadInput for any other name.
     """
     from ..model.presets import PRESETS
 
@@ -300,14 +306,14 @@ def named_snake(name: str) -> Snake:
             f"--robot is {name!r}; it must be 2005, paper, a session's folder, a fit.json or a "
             "scene (.toml)"
         )
-    return Snake(fit.robot, fit.ground, fit, session, tell_alarms(fit))
+    return Snake(fit.robot, fit.ground, fit, session, warn_of_alarms(fit))
 
 
 def make_snake(name: str | None, settings: Values, base: Snake | None = None) -> Snake:
     """Return the robot and ground of --robot, else `base`, else 2005, with the numbers of --set.
 
-    Mass and friction are those of the whole robot. Where `links` alone is set, every link keeps
-    its own.
+    Mass and friction are those of the whole robot. If `links` is set alone, each link keeps its
+    mass and friction.
     """
     if name is not None or base is None:
         base = named_snake(name or "2005")
@@ -317,11 +323,11 @@ def make_snake(name: str | None, settings: Values, base: Snake | None = None) ->
         return base
     old, ground = base.robot, base.ground
     links = body.pop("links", old.links)
-    rod = old == sn.Robot(old.links, old.link_mass_kg, old.link_length_m)  # a rod stays one
+    is_rod = old == sn.Robot(old.links, old.link_mass_kg, old.link_length_m)
     sizes = {
         "mass_kg": links * old.link_mass_kg,
         "link_length_m": old.link_length_m,
-        "link_inertia_kg_m2": None if rod else old.link_inertia_kg_m2,
+        "link_inertia_kg_m2": None if is_rod else old.link_inertia_kg_m2,
     }
     robot = sn.Robot.whole_body(links, **(sizes | body))
     if friction:
@@ -331,7 +337,7 @@ def make_snake(name: str | None, settings: Values, base: Snake | None = None) ->
 
 
 def session_fit(session: sn.Session) -> sn.FrictionFit:
-    """Return a session's fit.json if it is that of its readings, else fit them now."""
+    """Return the fit in a session's fit.json if it is of the present readings; else a new fit."""
     from ..friction.file import NAME, rests_on
 
     folder = session.folder
@@ -340,25 +346,25 @@ def session_fit(session: sn.Session) -> sn.FrictionFit:
             fit = sn.load_fit(folder)
             if rests_on(fit, session):
                 return fit
-        except sn.BadInput as error:  # an older version's, or edited: the readings are there
+        except sn.BadInput as error:  # An old or edited file; the readings are fitted instead.
             say(f"serpenoid: warning: {error}; fitted anew", err=True)
     return sn.fit_friction(session)
 
 
-MOST_LINKS = 20  # Links with hobby servos unasked: the work grows as the cube of the links.
+MAX_SERVO_LINKS = 20  # Links up to which servos are the default; the time grows as their cube.
 
 
 def take_servo(
     name: str | None, settings: Values, snake: Snake | None = None
 ) -> sn.ServoKind | None:
-    """Return the servos of a name, hobby servos unless given; None for joints that are ideal.
+    """Return the kind of servo of --servo, hobby unless given; None for ideal joints.
 
-    snake: the robot that they move; a session has their voltage and the frames of its board.
+    snake: the robot that they move. Its session, if any, has their voltage and frame time.
     """
     from ..session.crawls import driving
 
     if name is None:
-        name = IDEAL if snake and snake.robot.links > MOST_LINKS else "hobby"
+        name = IDEAL if snake and snake.robot.links > MAX_SERVO_LINKS else "hobby"
     if name.lower() == IDEAL:
         refuse_unused(settings, "joints are ideal; give --servo NAME", "volts", "frame_ms")
         return None
@@ -370,8 +376,8 @@ def take_servo(
     return driving(snake.session.setup, kind) if snake and snake.session else kind
 
 
-def tell_alarms(fit: sn.FrictionFit) -> Values:
-    """Warn of what forbids to trust a fit, note what was not measured; return both for JSON."""
+def warn_of_alarms(fit: sn.FrictionFit) -> Values:
+    """Print why a fit is not to be trusted, and what was not measured; return both for JSON."""
     for alarm in fit.alarms:
         say(f"serpenoid: warning: {alarm}", err=True)
     for note in fit.unmeasured:

@@ -45,9 +45,9 @@ from .options import (
     describe,
     make_gait,
     make_snake,
+    print_result,
     show_json,
     take_servo,
-    tell,
     warn_of_two_motions,
 )
 
@@ -91,7 +91,7 @@ def steady(
                 "out"
             )
         soft = busy("solving", lambda _: sn.steady_springs(*body, rtol=rtol, **springs))
-        return tell(soft, as_json, verbose, typed | snake.notes)
+        return print_result(soft, as_json, verbose, typed | snake.notes)
     refuse_unused(settings, PINNED, *springs)
     kind = take_servo(servo, settings, snake)
 

@@ -1,4 +1,4 @@
-"""The commands on runs in time: simulate, view a scene or a recording, copy examples."""
+"""The commands simulate, view and examples."""
 
 from __future__ import annotations
 
@@ -50,29 +50,37 @@ from .options import (
 
 
 def _list(read: Callable[[str, str], Any]) -> Callable[[str, str], list[Any]]:
-    """Return what reads a list with commas, each part by `read`; `none` is an empty one."""
+    """Return a reader of lists such as 2,4, with `read` for each part; `none` is the empty list."""
     return lambda name, text: [] if text == "none" else [read(name, x) for x in text.split(",")]
 
 
 METHODS = tuple(row["name"] for row in _core.method_table())
 ANGLES = {"incline_deg", "incline_direction_deg"}
-# Fields of Scene, angles in degrees. Joint torques and locked joints are for scene files.
+# Fields of Scene, angles in degrees. Torques and locked joints can be given in scene files only.
 SCENE = (
-    Setting("incline_direction_deg", "uphill, from the x axis", "deg", Limits(-360, 360), "0"),
-    Setting("limp", "joints without torque, from 1 at the tail: 2,4", read=_list(parsed_number)),
+    Setting(
+        "incline_direction_deg",
+        "direction of uphill, from the x axis",
+        "deg",
+        Limits(-360, 360),
+        "0",
+    ),
+    Setting(
+        "limp", "joints without torque, such as 2,4; the tail's is 1", read=_list(parsed_number)
+    ),
     Setting("dt_s", "time step", "s", usual="0.001"),
-    Setting("tolerance", "of methods that pick their steps", usual="1e-7"),
+    Setting("tolerance", "error tolerance of methods with adaptive steps", usual="1e-7"),
     Setting(
         "start", f"state at time 0: {', '.join(STARTS)}", usual="zero_momentum", read=plain_text
     ),
     Setting(
         "gap",
-        f"implicit model: how the joints start open: {', '.join(GAPS)}",
+        f"implicit model: gaps of the joints at time 0: {', '.join(GAPS)}",
         usual=GAPS[0],
         read=plain_text,
     ),
     Setting(
-        "record", "what to keep beside the motion: joints,friction,energy", read=_list(plain_text)
+        "record", "what to record beside the motion: joints,friction,energy", read=_list(plain_text)
     ),
     Setting(
         "record_every",
@@ -92,17 +100,22 @@ SCENE = (
 @option(
     "--incline-deg", "Slope of the ground, uphill along the x axis.", type=click.FloatRange(0, 90)
 )
-@number("--duration-s", "Length of the run; 10.")
+@number("--duration-s", "Length of the run; 10 unless given.")
 @option("--out", "csv", "CSV of all links at all recorded times.", type=OutFile(".csv"))
 @option("--save-scene", "saved_path", "Write the scene to this file too.", type=OutFile(".toml"))
 @settings(*ROBOT, *FRICTION, OFFSET, *PLUG, *SPRINGS, *SCENE)
-@option("--method", "nonsmooth on dry ground, else rk4.", choice=METHODS, research=True)
-@number(
-    "--accuracy",
-    "Choose step, and method unless given, for this error (body lengths, radians).",
+@option(
+    "--method",
+    "Method of integration: nonsmooth on dry ground, else rk4, unless given.",
+    choice=METHODS,
     research=True,
 )
-@flag("--no-error", "Save the runs that tell the error.", research=True)
+@number(
+    "--accuracy",
+    "Choose the step, and the method unless given, for this error (body lengths, radians).",
+    research=True,
+)
+@flag("--no-error", "Skip the extra runs that estimate the error.", research=True)
 def simulate(
     robot: str | None,
     servo: str | None,
@@ -118,13 +131,14 @@ def simulate(
     as_json: bool,
     **typed_gait: Any,
 ) -> None:
-    """Follow one scene in time: a scene file, options, or a file with options over it."""
+    """Simulate a scene: of a scene file, of options, or of a file that options change."""
     from ..show import report, run_report
 
     base = scene_path and sn.load_scene(scene_path)
     snake = make_snake(robot, settings, base and Snake(base.robot, base.ground))
     values = settings | typed_gait | {"formulation": formulation}
-    scene = make_scene(base, snake, servo, {n: v for n, v in values.items() if v is not None})
+    typed = {name: value for name, value in values.items() if value is not None}
+    scene = make_scene(base, snake, servo, typed)
     if scene.formulation == "explicit":
         refuse_unused(settings, PINNED, "joint_stiffness_n_m", "joint_damping_n_s_m", "gap")
     if saved_path is not None:
@@ -152,7 +166,7 @@ def simulate(
 
 
 def make_scene(base: sn.Scene | None, snake: Snake, servo: str | None, values: Values) -> sn.Scene:
-    """Make a scene of typed values, over `base` if there is one."""
+    """Return the scene of typed values; base: a scene that they change, if there is one."""
     names = {field.name for field in fields(sn.Scene)}
     changes = {name: value for name, value in values.items() if name in names}
     for name in ANGLES & values.keys():
@@ -171,15 +185,16 @@ def make_scene(base: sn.Scene | None, snake: Snake, servo: str | None, values: V
 @option(
     "--out",
     "page",
-    "Page to write; it needs no other file. The scene's or recording's name, unless given.",
+    "Page to write, a single file; named after the scene or recording unless given.",
     type=OutFile(".html"),
 )
 @settings(*ROBOT, *FRICTION)
 def view(what: Path, robot: str | None, page: Path | None, settings: Values) -> None:
-    """Write a page in which the snake crawls: play and scrub; slip and sticking of wheels.
+    """Write a page that animates the snake and shows where its wheels slip and stick.
 
-    It takes a scene file, or a recording of `serpenoid drive --record`. Of a recording it shows
-    how the robot and ground of the options move while the joints follow the recorded set-points.
+    It takes a scene file, or a recording of `serpenoid drive --record`. A recording has only the
+    joints' set-points; the page shows the motion predicted from them for the robot and ground of
+    the options.
     """
     from ..model.gait import gait_name
     from ..robot.recording.stream import load_stream
@@ -190,7 +205,7 @@ def view(what: Path, robot: str | None, page: Path | None, settings: Values) -> 
     if what.suffix == ".toml":
         if robot is not None or settings:
             raise click.UsageError(
-                "a scene file has its own robot and ground; leave the options out"
+                "a scene file has its own robot and ground; leave out --robot and --set"
             )
         scene = sn.load_scene(what)
         run = busy("simulating", lambda _: sn.simulate(scene))
@@ -208,7 +223,7 @@ def view(what: Path, robot: str | None, page: Path | None, settings: Values) -> 
     say(f"wrote {page}; open it in a browser")
 
 
-BROUGHT = Path(_core.__file__).parent
+DATA = Path(_core.__file__).parent  # Folder of the package's examples and session.
 
 
 @command()
@@ -217,8 +232,8 @@ def examples(folder: Path) -> None:
     """Copy example scripts, example scenes and the 2005 session into a new FOLDER."""
     if folder.exists():
         raise click.UsageError(f"{folder} exists already; name a new folder")
-    bare = shutil.ignore_patterns("__pycache__")  # pip compiles what it installs
-    shutil.copytree(BROUGHT / "examples", folder, ignore=bare)
-    shutil.copytree(BROUGHT / "calibration_data", folder / "calibration_data", ignore=bare)
+    ignored = shutil.ignore_patterns("__pycache__")  # pip compiles the scripts that it installs.
+    shutil.copytree(DATA / "examples", folder, ignore=ignored)
+    shutil.copytree(DATA / "calibration_data", folder / "calibration_data", ignore=ignored)
     scene = folder / "limping_on_a_slope.toml"
     say(f"try: serpenoid simulate --scene {scene} --plot run.png")

@@ -9,7 +9,7 @@ import serpenoid as sn
 from ...base.checks import NOT_NEGATIVE, Limits
 from ...show.screen import say
 from ..declare import OutFile, Setting, Values, chosen, command, option, settings
-from ..options import PLUG, busy, session_fit, show_json, take_servo, tell, tell_alarms
+from ..options import PLUG, busy, print_result, session_fit, show_json, take_servo, warn_of_alarms
 
 SAMPLES = Setting("samples", "frictions drawn from the fit", "", Limits(16, 4096), "64")
 AMPLITUDE = Setting(
@@ -26,7 +26,7 @@ def measured(
     """Return a session, the fit of its readings, the servos, and the notes of the fit for JSON."""
     session = sn.load_session(folder)
     fit = session_fit(session)
-    notes = tell_alarms(fit)
+    notes = warn_of_alarms(fit)
     return session, fit, take_servo(servo, settings), notes
 
 
@@ -94,7 +94,7 @@ def advise(
     advice = busy(
         "advising", lambda share: sn.advise(loaded, gaits, servo=kind, progress=share, **how)
     )
-    tell(advice, as_json, verbose, notes)
+    print_result(advice, as_json, verbose, notes)
 
 
 @command()
@@ -122,7 +122,7 @@ def compare(
     if figure is not None:
         compared.plot(figure)
         report.wrote(figure)
-    tell(compared, as_json, verbose, notes)
+    print_result(compared, as_json, verbose, notes)
 
 
 @command()

@@ -23,7 +23,7 @@ from ..declare import (
     option,
     settings,
 )
-from ..options import PLUG, busy, servo_kind, tell
+from ..options import PLUG, busy, print_result, servo_kind
 
 if TYPE_CHECKING:
     from ...servos.bench_fit import MeasuredServo
@@ -105,7 +105,7 @@ def servo(
         name = "measured" if path is None else path.stem
         measured = busy("trying servos", lambda _: servo_of_test(test, kind, name=name))
     answer = Answer(measured, test.noise_rad)
-    tell(answer, as_json, True, {})
+    print_result(answer, as_json, True, {})
     if path is None:
         return
     remark = "" if measured.verdict.describes else answer.verdict_text
