@@ -136,7 +136,7 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             "a joint fit's intervals come from assumed instrument uncertainties."
         )
     robot = session.setup.robot_table
-    if not robot.weighs:
+    if robot.mass_kg is None:
         notes.append(
             f"{NOT_WEIGHED}, and one per cent of mass is one per cent of friction: "
             f"weigh it, and write mass_kg = 0.48, say, into session.toml."

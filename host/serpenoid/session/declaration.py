@@ -228,12 +228,11 @@ class Observation(Declared, ABC):
 
     @classmethod
     def derived(cls, cells: dict[str, Any], watch: Any) -> dict[str, Any]:
-        """Put in what follows from other cells, by the Instruments; raises BadInput."""
-        return cells
+        """Put in what follows from other cells, by the Instruments; raises BadInput.
 
-    def doubt(self) -> str:
-        """Return why it is not taken although each number is within its limits; "" if it is."""
-        return ""
+        Also where what is typed cannot be, although each number is within its limits.
+        """
+        return cells
 
     @abstractmethod
     def in_words(self) -> tuple[str, str]:

@@ -159,8 +159,7 @@ class Journal:
                 "`serpenoid video FILE --session DIR` adds a film"
             )
         common: dict[str, Any] = {"number": 1} | ({"track": track} if track is not None else {})
-        if doubt := make_reading(row, common).doubt():
-            raise BadInput(doubt)
+        make_reading(row, common)
         return row, track
 
     def _check_number(self, reading: int) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from ..base.checks import count_text
 from ..base.errors import BadInput
 from ..model.bends import BENDS
 from .declaration import Observation, number_field, word_field
-from .settings import MAX_LAMBDA_DEG, MAX_PLACE_SIGMA_M
+from .settings import MAX_LAMBDA_DEG, MAX_PLACE_SIGMA_M, Instruments
 from .track import TRACK, Floats, Track
 
 WAYS = ("there", "back")
@@ -95,12 +96,14 @@ class Push(Observation):
                 f"{min_count} at least"
             )
 
-    def doubt(self) -> str:
-        """Return why it is no push: too fast or too long."""
-        if self.distance_m is None or not self.duration_s:
-            return ""
-        # Dry friction alone brakes evenly: the speed at the start is twice the mean one.
-        return unlikely_push(2 * self.distance_m / self.duration_s, self.distance_m)
+    @classmethod
+    def derived(cls, cells: dict[str, Any], watch: Instruments) -> dict[str, Any]:
+        """Return the cells as they are; raises BadInput for a push too fast or too long."""
+        if "distance_m" in cells and cells.get("duration_s"):
+            distance_m = float(cells["distance_m"])
+            # Dry friction alone brakes evenly: the speed at the start is twice the mean one.
+            check_push(2 * distance_m / float(cells["duration_s"]), distance_m)
+        return cells
 
     @property
     def counted(self) -> Floats:
@@ -126,12 +129,11 @@ class Push(Observation):
         return what, f"{self.source}: {len(t)} places, {way:.3f} m in {t[-1] - t[0]:.2f} s{turned}"
 
 
-def unlikely_push(speed_m_s: float, way_m: float) -> str:
-    """Return why a push cannot be so fast or so long; "" if it can."""
+def check_push(speed_m_s: float, way_m: float) -> None:
+    """Raise BadInput where a push cannot be so fast or so long."""
     max_m_s, max_m = 3.0, 10.0  # robots of this size are pushed at 0.3 to 1.5 m/s
-    if speed_m_s <= max_m_s and way_m <= max_m:
-        return ""
-    return (
-        f"{way_m:.3g} m from {speed_m_s:.3g} m/s is no push: at most {max_m:g} m and "
-        f"{max_m_s:g} m/s; is its unit right?"
-    )
+    if speed_m_s > max_m_s or way_m > max_m:
+        raise BadInput(
+            f"{way_m:.3g} m from {speed_m_s:.3g} m/s is no push: at most {max_m:g} m and "
+            f"{max_m_s:g} m/s; is its unit right?"
+        )

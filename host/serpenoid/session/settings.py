@@ -140,11 +140,6 @@ class RobotTable(SettingsTable):
         return (self.mass_kg or 0.0) / self.links > MAX_DENSITY_KG_M3 * self.link_length_m**3
 
     @property
-    def weighs(self) -> bool:
-        """Tell whether the mass is no assumption."""
-        return self.mass_kg is not None
-
-    @property
     def tag_side_m(self) -> float | None:
         """Return the side of a printed tag; None where nobody said it."""
         return None if self.tag_mm is None else in_si("tag_mm", self.tag_mm)
@@ -314,11 +309,6 @@ class Plan(SettingsTable):
         what = "a fit knows one friction along the wheels, not another backwards"
         return super().read(table.without_removed({"ratchet": what}))
 
-    @property
-    def lambda_rad(self) -> tuple[float, ...]:
-        """Return the bends of stations, rad."""
-        return tuple(map(math.radians, self.lambda_deg))
-
 
 TABLES: dict[str, type[SettingsTable]] = {
     "provenance": Provenance,
@@ -381,7 +371,7 @@ class Setup:
     def mass_sigma(self) -> float:
         """Return the relative standard deviation of the mass; 5 % where it was not weighed."""
         stated = self.instruments.mass_sigma
-        return stated if self.robot_table.weighs else max(stated, 0.05)
+        return max(stated, 0.05) if self.robot_table.mass_kg is None else stated
 
     @property
     def weight_n(self) -> float:

@@ -24,6 +24,8 @@ FILE_WORDS = {  # prompts of steps that a file answers, too
     "push": "its film or track (of Tracker, Kinovea, CSV); or way (m), time (s) and turn (deg) "
     "from the hand to rest",
     "gait": "its film; or time (s) and distance between the marks (m)",
+    "station": "let it settle {:.0f} s; then drift left over (m/s) and turn, or places (Enter: "
+    "none)",
 }
 QUIT_WORDS = "Left. Everything read so far is kept; the same command goes on from here."
 
@@ -168,7 +170,7 @@ class Dialogue:
 
     def _record(self, step: Step) -> int:
         """Ask for a step's reading and keep it; return its number, 0 where none is kept."""
-        values = self._station(step) if step.kind == "station" else self._values(step)
+        values = self._values(step)
         if self._robot is not None and step.gait is not None:
             values["omega_rad_s"] = self._robot.rate(step.gait)
         if not isinstance(values, Tracked):
@@ -185,30 +187,23 @@ class Dialogue:
 
     def _values(self, step: Step) -> Values:
         """Return a step's numbers, or what a film or a table of its track shows."""
-        line = ""
+        ask, count = self._asker, 2 if step.kind == "station" else 0
+        values, fields, line = ask.numbers(step.fields[:count]), step.fields[count:], ""
         if step.kind in FILE_WORDS:
-            line = self._asker.ask(f"  {FILE_WORDS[step.kind]}: ")
+            line = ask.ask(f"  {FILE_WORDS[step.kind].format(step.settle_s)}: ")
             file = named_file(line)
             if file is not None and step.gait is not None:
                 return self._film(file[0], self.journal.session.setup.robot, step.gait)
-            if file is not None:
+            if file is not None and step.kind == "push":
                 self._keep_pushes(*file, {**step.cells, **self._steering()})
-        return self._asker.numbers(step.fields, line)
-
-    def _station(self, step: Step) -> Values:
-        """Return what is read of a station: numbers, or places of a short reading."""
-        ask = self._asker
-        incline, belt, *drift = step.fields
-        values = ask.numbers([incline, belt])
-        then = "then drift left over (m/s) and turn, or places (Enter: none)"
-        line = ask.ask(f"  let it settle {step.settle_s:.0f} s; {then}: ")
-        file = named_file(line)
-        if file is not None:
-            track, _ = read_track_file(*file)
-            line = " ".join(f"{t - track[0, 0]:.6g}:{x:.6g}" for t, x, _ in track)
-        if ":" in line:
-            return values | {"places": line}
-        return values | ask.numbers(drift, line or "0")
+            if file is not None:
+                track, _ = read_track_file(*file)
+                line = " ".join(f"{t - track[0, 0]:.6g}:{x:.6g}" for t, x, _ in track)
+            if ":" in line:
+                return values | {"places": line}
+            if step.kind == "station":
+                line = line or "0"
+        return values | ask.numbers(fields, line)
 
     def _steering(self) -> Values:
         """Return the offset that steers, as a reading keeps it."""

@@ -114,6 +114,4 @@ def typed_cells(kind: str, typed: Mapping[str, Any], setup: Setup) -> dict[str, 
             values[field.column] = read_number(text, field)
         elif field.usual is not None and not field.optional:
             values.setdefault(field.column, field.usual)  # what was not said is not known
-        elif isinstance(text, str):
-            values[field.column] = field.read(text)
     return kind_of(kind).derived(values, setup.instruments)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base.errors import BadInput
-from ..session.push import unlikely_push
+from ..session.push import check_push
 from ..session.track import Floats, chord_places, curved_path
 
 PIECE_S = 0.15  # time over which a speed is taken: four intervals of 30 pictures a second
@@ -92,8 +92,7 @@ def look_at(track: Floats, slips: bool) -> Look:
     # A robot that slips down the floor's slope turns by itself: the fit knows it.
     max_turn_deg = 30.0 if slips else 10.0
     last_m_s = first_m_s - law[2] * way_m - law[3] * time[-1]
-    if unlikely := unlikely_push(first_m_s, way_m):
-        raise BadInput(unlikely)
+    check_push(first_m_s, way_m)
     doubts = {
         "the track ends before the robot rests: film on until it does": stop >= len(t) - 1,
         f"it rolled {way_m:.2f} m in {time[-1]:.2f} s only: push harder, {min_way_m} m at least": (

@@ -49,11 +49,11 @@ def session(
     on_grades: the treadmill stops at its own grades alone.
     """
     unit = setup.instruments
-    bends = np.zeros(sum(x > 0 for x in setup.plan.lambda_rad))
+    bends = np.zeros(sum(x > 0 for x in setup.plan.lambda_deg))
     offsets = iter(bends if rng is None else offset_sigma * rng.normal(size=len(bends)))
     zero = 0.0 if rng is None else rng.normal()
     readings: list[Reading] = []
-    for nominal in setup.plan.lambda_rad:
+    for nominal in np.radians(setup.plan.lambda_deg):
         bend = nominal + (next(offsets) * unit.lambda_sigma_rad if nominal else 0.0)
         grade = unit.incline_step_rad if on_grades else 0.0
         for incline, speed in _stations(setup, truth, bend, rng, grade):

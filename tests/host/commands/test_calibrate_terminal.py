@@ -78,7 +78,6 @@ def test_a_new_session_asks_what_it_needs(tmp_path):
     assert setup.robot_table.supply_v == 5.2
     assert setup.instruments.incline_step_rad == pytest.approx(0.0087269, rel=1e-4)
     assert setup.instruments.belt_speed_step_m_s == pytest.approx(0.044704)
-    assert setup.robot_table.weighs
     assert setup.instruments.belt_speed_unit == "mph"
     assert math.degrees(setup.instruments.joint_sigma_rad) == pytest.approx(1.5)
 
@@ -95,7 +94,7 @@ def test_enter_at_the_mass_weighs_nothing_and_undo_asks_again(tmp_path):
     session = read_session(tmp_path / "asked")
     assert session.setup.laboratory.surface == "belt"
     assert session.setup.robot.links == 6
-    assert not session.setup.robot_table.weighs
+    assert session.setup.robot_table.mass_kg is None
     assert session.setup.mass_sigma == 0.05
 
 

@@ -35,7 +35,7 @@ def session_of(bend, links=6):
     made = setup(15.0, 30.0)
     made = replace(made, robot_table=replace(made.robot_table, links=links))
     rows = []
-    for lambda_rad in made.plan.lambda_rad:
+    for lambda_rad in np.radians(made.plan.lambda_deg):
         shape = angles(links, lambda_rad, bend)
         for speed in np.linspace(0.1, 0.9, 6).tolist():
             pull_n = along_n(TRUTH, shape, speed)
