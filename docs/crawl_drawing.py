@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import serpenoid as sn
 from numpy.typing import NDArray
-from serpenoid.show.plot import along_travel
+from serpenoid.show.run_figure import along_travel
 
 FRAMES = 36  # pictures a cycle; the browser draws between them
 WIDTH, HEIGHT = 720, 300  # px

@@ -17,7 +17,7 @@ from serpenoid.bench.stability_map import Cell, stability_figure
 from serpenoid.bench.work_precision import read_rows
 from serpenoid.bench.work_precision_figure import work_precision_figure
 from serpenoid.paper.study import PATH_GAIT, path_run
-from serpenoid.show import plot
+from serpenoid.show import run_figure
 
 ROOT = Path(__file__).resolve().parents[1]
 STORED = ROOT / "host" / "docs"
@@ -33,7 +33,7 @@ def speed(path: Path) -> None:
 def crawl_path(path: Path) -> None:
     """Draw the path of the paper's robot."""
     title = "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s"
-    plot.path_and_poses(path_run(PATH_GAIT, 3), title, path)
+    run_figure.path_and_poses(path_run(PATH_GAIT, 3), title, path)
 
 
 def run(path: Path) -> None:

@@ -89,19 +89,19 @@ def draw(folder: Path) -> list[Claim]:
     from ..base.long_calls import in_threads
     from ..paper import study
     from ..prediction.band import speed_band
-    from ..show import plot
+    from ..show import plot, run_figure
     from ..show.gaits import gait_figures
 
     zero_gap = study.compare_formulations("zero")
     slow_manifold = study.compare_formulations("slow_manifold")
     gait_figures.errors_in_time(zero_gap, slow_manifold, folder / "fig6-7.png")
     front = study.papers_front()
-    words = f"the paper's robot: {plot.robot_words(study.ROBOT, study.GROUND)}; net power"
+    words = f"the paper's robot: {run_figure.robot_words(study.ROBOT, study.GROUND)}; net power"
     gait_figures.power_of(study.papers_sweep(), front, words, folder / "fig8.png")
     gait_figures.optimum_figure(front, words, folder / "fig9-11.png")
     run = study.path_run(study.PATH_GAIT, 3)
     title = "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s"
-    plot.path_and_poses(run, title, folder / "fig12-13.png")
+    run_figure.path_and_poses(run, title, folder / "fig12-13.png")
     session = sn.load_session(Path(_core.__file__).parent / "calibration_data" / "nirakh-2005")
     fit = sn.fit_friction(session)
     note = "readings regenerated from the lines that the paper prints: its own are lost"
@@ -114,7 +114,7 @@ def draw(folder: Path) -> list[Claim]:
     title = "2005 robot, α = 70°, β = 75°"
     frequencies_hz = np.array(FREQUENCIES_HZ)
     plot.formulations_figure(frequencies_hz, exact_m_s, implicit_m_s, title, folder / "fig17.png")
-    words = f"2005 robot: {plot.robot_words(study.OF_2005, study.BINGHAM)}"
+    words = f"2005 robot: {run_figure.robot_words(study.OF_2005, study.BINGHAM)}"
     cloud, optima = study.cloud_2005(), study.front_2005()
     gait_figures.power_of(cloud, optima, words, folder / "front-2005.png")
     ends = [(band.frequency_hz, band.low_m_s, band.high_m_s) for band in bands]

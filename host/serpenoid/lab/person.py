@@ -51,36 +51,21 @@ class Display:
         return max(steps * self.step_m_s, self.least_m_s)
 
 
-class Helm:
-    """Steer in steps, by what is seen each half second; the offset that runs straight is kept."""
-
-    def __init__(self, link_m: float):
-        self.trim_rad, self.offset_rad, self._link_m = 0.0, 0.0, link_m
-
-    def look(self, across_m: float, heading_rad: float, speed_m_s: float) -> float:
-        """Return the offset for the next half second, rad."""
-        turn = self._link_m / max(speed_m_s, 0.2)  # rad of offset for a rad a second
-        # The robot is aimed at the middle by a radian to a metre.
-        error_rad = limited(-across_m, 0.2) - heading_rad
-        trim_rad = self.trim_rad + 0.2 * turn * error_rad * LOOK_S
-        self.trim_rad = limited(trim_rad, math.radians(2.5))
-        offset = limited(0.5 * turn * error_rad / LOOK_S + self.trim_rad, math.radians(3.0))
-        step_rad = math.radians(0.25)
-        self.offset_rad = round(offset / step_rad) * step_rad
-        return self.offset_rad
-
-
 def limited(value: float, limit: float) -> float:
     """Return a value, at most as large as a limit either way."""
     return min(max(value, -limit), limit)
 
 
 class Person:
-    """Work at a belt; the same seed does the same."""
+    """Work at a belt; the same seed does the same.
+
+    The robot is steered in steps, by what is seen each half second. trim_rad: the offset that runs
+    straight, which is kept. offset_rad: the steering now.
+    """
 
     def __init__(self, belt: Belt, rng: np.random.Generator, display: Display = Display()):
         self.belt, self.rng, self.display = belt, rng, display
-        self.helm = Helm(belt.robot.body.link_length_m)
+        self.trim_rad, self.offset_rad = 0.0, 0.0
 
     def hold(self, guess_m_s: float, settle_s: float) -> Station | None:
         """Set the belt until the robot keeps its place, wait, read; None where it cannot be held.
@@ -141,24 +126,36 @@ class Person:
         # Scatter: across, m; heading, rad; speed, m/s; turning, rad/s.
         scatter = np.array([0.01, math.radians(2.0), 0.03, math.radians(3.0)])
         self.belt.put(*(scatter * self.rng.normal(size=4)).tolist())
-        self.belt.steer(self.helm.trim_rad)
+        self.belt.steer(self.trim_rad)
 
     def _read(self, shown_m_s: float, looks: list[Sight], drift_m_s: float) -> Station:
         turned_rad = EYE_RAD.shows(looks[-1].heading_rad, self.rng)
-        return Station(shown_m_s, drift_m_s, turned_rad, self.helm.offset_rad)
+        return Station(shown_m_s, drift_m_s, turned_rad, self.offset_rad)
 
     def _watch(self, shown_m_s: float, duration_s: float) -> list[Sight]:
         """Steer and look until the time is over or the robot leaves; return what was there."""
         looks = [self.belt.look()]
         for _ in range(max(1, round(duration_s / LOOK_S))):
-            across_m = EYE_M.shows(looks[-1].across_m, self.rng)
-            heading_rad = EYE_RAD.shows(looks[-1].heading_rad, self.rng)
-            self.belt.steer(self.helm.look(across_m, heading_rad, shown_m_s))
+            self._steer(looks[-1], shown_m_s)
             self.belt.wait(LOOK_S)
             looks.append(self.belt.look())
             if self._leaves(looks[-1]):
                 break
         return looks
+
+    def _steer(self, look: Sight, speed_m_s: float) -> None:
+        """Set the offset for the next half second."""
+        across_m = EYE_M.shows(look.across_m, self.rng)
+        # The robot is aimed at the middle by a radian to a metre.
+        error_rad = limited(-across_m, 0.2) - EYE_RAD.shows(look.heading_rad, self.rng)
+        # rad of offset for a rad a second
+        turn = self.belt.robot.body.link_length_m / max(speed_m_s, 0.2)
+        trim_rad = self.trim_rad + 0.2 * turn * error_rad * LOOK_S
+        self.trim_rad = limited(trim_rad, math.radians(2.5))
+        offset = limited(0.5 * turn * error_rad / LOOK_S + self.trim_rad, math.radians(3.0))
+        step_rad = math.radians(0.25)
+        self.offset_rad = round(offset / step_rad) * step_rad
+        self.belt.steer(self.offset_rad)
 
     def _leaves(self, look: Sight) -> bool:
         # From three quarters of the belt on somebody takes the robot back to the middle.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,10 +12,7 @@ import numpy as np
 from ..base.files import whole_file
 from ..friction.paper_fit import friction_points, point_errors
 from ..friction.result import FrictionFit
-from ..model.ground import Ground
-from ..model.robot import Robot
 from ..session.session import Session
-from ..simulation.run import Run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -145,72 +141,3 @@ def hatch_beyond(ax: Axes, highest_hz: float | None, last_hz: float, servo: str)
     words = f"above {highest_hz:.2g} Hz too fast for {servo}"
     look = {"fc": "none", "ec": GREY, "alpha": 0.5, "hatch": "//", "zorder": 0, "lw": 0}
     ax.axvspan(highest_hz, last_hz, label=words, **look)
-
-
-def draw_links(ax: Axes, run: Run, index: int, lift_m: float, colour: Any) -> None:
-    """Draw the links of one recorded state as sticks, lifted, with a dot on the head."""
-    x, y, angle = run.x_m[index], run.y_m[index] + lift_m, run.theta_rad[index]
-    ends = np.outer([-0.5, 0.5], run.scene.robot.link_length_m * np.exp(1j * angle)) + x + 1j * y
-    ax.plot(ends.real, ends.imag, color=colour, lw=3.2, solid_capstyle="round")
-    ax.plot(ends[-1, -1].real, ends[-1, -1].imag, "o", color=colour, ms=6)
-
-
-def draw_path(ax: Axes, run: Run) -> None:
-    """Draw the paths of tail, head and centre of mass, with a key above them."""
-    ax.plot(run.x_m[:, 0], run.y_m[:, 0], color=ORANGE, lw=1.0, label="tail")
-    ax.plot(run.x_m[:, -1], run.y_m[:, -1], color=BLUE, lw=1.0, label="head")
-    ax.plot(*run.centre_m.T, color="black", lw=2.0, label="centre of mass")
-    ax.plot(0, 0, "o", mfc="white", mec="black", ms=7, zorder=5, label="start")
-    ax.legend(loc="lower left", bbox_to_anchor=(-0.01, 0.985), ncols=4)
-
-
-def along_travel(run: Run) -> Run:
-    """Turn a run so that it travels along x and starts at the origin."""
-    x, y = run.centre_m.T
-    turn = np.exp(-1j * np.arctan2(y[-1] - y[0], x[-1] - x[0]))
-    place = turn * (run.x_m - x[0] + 1j * (run.y_m - y[0]))
-    velocity = turn * (run.vx_m_s + 1j * run.vy_m_s)
-    return replace(
-        run,
-        x_m=place.real,
-        y_m=place.imag,
-        theta_rad=run.theta_rad + np.angle(turn),
-        vx_m_s=velocity.real,
-        vy_m_s=velocity.imag,
-    )
-
-
-def path_and_poses(run: Run, title: str, path: Path) -> None:
-    """Draw the path of head, tail and centre of mass (Fig. 12) and six poses (Fig. 13)."""
-    run = along_travel(run)
-    period_s, t_s = run.scene.gait.period_s, run.t_s
-    with figure(9.0, 6.0, rows=2, path=path, height_ratios=[1, 1.9]) as (fig, (top, bottom)):
-        draw_path(top, run)
-        top.set(xlabel="x (m)", ylabel="y (m)")
-        top.set_aspect(3)
-        top.set_title(f"{t_s[-1] / period_s:.0f} cycles, y enlarged three times (Fig. 12)", pad=22)
-        spacing = 1.15 * float(np.ptp(run.y_m[t_s < period_s]))
-        for k, colour in enumerate(COLOURS[:6]):
-            index = int(np.abs(t_s - k * period_s / 6).argmin())
-            draw_links(bottom, run, index, -k * spacing, colour)
-        bottom.set(
-            title="poses of one cycle at 0, T/6 ... 5T/6, set apart downwards; the dot is the head "
-            "(Fig. 13)",
-            xlabel="x, along the mean direction of travel (m)",
-            yticks=[],
-            aspect="equal",
-        )
-        heading(fig, f"{title}: {robot_words(run.scene.robot, run.scene.ground)}", 10)
-
-
-def robot_words(robot: Robot, ground: Ground) -> str:
-    """Return the whole robot and its friction for a title."""
-
-    def ends(along: float | tuple[float, float]) -> str:
-        return "/".join(f"{value:.3g}" for value in np.atleast_1d(along))
-
-    ground_of_body = ground.scaled(*4 * [robot.links])
-    friction = f"ct {ends(ground_of_body.ct)}, cn {ground_of_body.cn:.3g} N s/m"
-    if ground.dry:
-        friction += f", ft0 {ends(ground_of_body.ft0)}, fn0 {ground_of_body.fn0:.3g} N"
-    return f"{robot.links} links of {robot.link_length_m:g} m, {robot.mass_kg:.4g} kg; {friction}"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -19,20 +18,6 @@ from .measure_film import refusals, seen_film
 from .result import Remark
 
 
-@dataclass(frozen=True)
-class PushedRobot:
-    """Where the robot was.
-
-    rows: (frames, 3) time s, and place x, y m of the mean of the links' centres in the plane of
-    the tags, of the frames that show it. scale_sigma: relative, of all lengths. remarks: what to
-    know about the film.
-    """
-
-    rows: Array
-    scale_sigma: float
-    remarks: tuple[Remark, ...]
-
-
 def track_pushes(
     path: Path,
     links: int,
@@ -40,7 +25,7 @@ def track_pushes(
     side_m: float | None = None,
     progress: Callable[[float], object] = lambda _: None,
     capture_fps: float | None = None,
-) -> PushedRobot:
+) -> tuple[Array, float, list[Remark]]:
     """Follow a robot whose joints are locked through a film of one push or more.
 
     Parameters
@@ -58,8 +43,13 @@ def track_pushes(
 
     Returns
     -------
-    PushedRobot
-        The track with all pushes, the rests between them, and gaps where a hand hides the tags.
+    rows
+        Time s, and place x, y m of the mean of the links' centres in the plane of the tags, (K, 3):
+        all pushes, the rests between them, and gaps where a hand hides the tags.
+    scale_sigma
+        Relative standard deviation of all lengths.
+    remarks
+        What to know about the film.
 
     Raises
     ------
@@ -83,7 +73,7 @@ def track_pushes(
     # lengths are known as the tags' printed side is.
     row = LENS.index("log_side")
     scale_sigma = math.hypot(fit.covariance[row, row] ** 0.5, fit.scale_off)
-    return PushedRobot(rows, scale_sigma, tuple(remarks))
+    return rows, scale_sigma, remarks
 
 
 def still_joints(phi: Array, visible: Mask) -> Array:

@@ -93,11 +93,12 @@ def film_reader(side_m: float | None, capture_fps: float | None = None) -> FilmR
             crawl = busy(
                 what, lambda share: measure_film(*arguments, gait, False, share, capture_fps)
             )
-            remarks, (cells, samples) = crawl.run.remarks, film_cells(crawl)
+            remarks, (cells, samples) = list(crawl.run.remarks), film_cells(crawl)
         else:
-            pushed = busy(what, lambda share: track_pushes(*arguments, share, capture_fps))
-            remarks, samples = pushed.remarks, pushed.rows
-            cells = {"scale_sigma": round(pushed.scale_sigma, 6)}
+            samples, scale_sigma, remarks = busy(
+                what, lambda share: track_pushes(*arguments, share, capture_fps)
+            )
+            cells = {"scale_sigma": round(scale_sigma, 6)}
         for remark in remarks:
             say(f"{path.name}: {remark.name}: {remark.text}")
         return Tracked(cells, samples, "" if gait is None else "video")

@@ -139,12 +139,10 @@ class _Point:
     states: Array
     noise_px: float
 
-    def _misses(self) -> Array:
-        return misses(self.camera, self.states, self.sightings)
-
     def noise(self) -> float:
         """Return the standard deviation of a corner's coordinate, px, robustly."""
-        residual = self._misses()[self.sightings.visible]
+        s = self.sightings
+        residual = misses(self.camera, self.states, s)[s.visible]
         # Of 8 numbers a tag, some 3 go into its frame's state.
         return max(0.02, 1.4826 * float(np.median(np.abs(residual))) * np.sqrt(8 / 6.5))
 
@@ -155,7 +153,7 @@ class _Point:
 
     def cost(self) -> float:
         """Return the sum of squares; an outlier's grows no faster than its distance."""
-        distance = rms(self._misses()) / self.noise_px
+        distance = rms(misses(self.camera, self.states, self.sightings)) / self.noise_px
         if not np.isfinite(distance).all():
             return np.inf
         squares = np.where(distance < OUTLIER, distance**2, OUTLIER * (2 * distance - OUTLIER))

@@ -38,9 +38,8 @@ def first_cameras(sightings: Sightings, link_m: float, side_m: float) -> list[Ca
         logs = np.log(np.concatenate([sides, diagonals], axis=-1))
         # how far they are from squares of one size
         spread = float(np.abs(logs - np.median(logs)).mean())
-        distance = np.zeros_like(shared)
-        distance[7] = np.log(side_m / np.median(sides))
-        camera = replace(camera, shared=shared + distance)
+        log_distance = np.log(side_m / np.median(sides)) * np.eye(len(shared))[7]
+        camera = replace(camera, shared=shared + log_distance)
         candidates.append((spread if np.isfinite(spread) else np.inf, focal, camera))
     candidates.sort(key=lambda trial: trial[0])
     best: dict[float, Camera] = {}
