@@ -1,4 +1,4 @@
-"""The playground: the core as WebAssembly equals the package; the page in a real browser."""
+"""The playground: its WebAssembly core gives the speeds of the package; its page in a browser."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from webdriver import Browser
 pytestmark = pytest.mark.slow  # emscripten compiles the core in minutes
 ROOT = Path(__file__).resolve().parents[2]
 PARTS = ROOT / "docs" / "playground"
-MOST_BYTES = 450_000  # over the wire, compressed
-DRAWN = "document.body.dataset.curve === 'done'"
-MAPPED = "document.body.dataset.map === 'done'"
-NODE = """const fs = require('fs'), vm = require('vm');
+MAX_BYTES = 450_000  # size of the compressed page
+CURVE_DRAWN = "document.body.dataset.curve === 'done'"
+MAP_DRAWN = "document.body.dataset.map === 'done'"
+NODE_PROGRAM = """const fs = require('fs'), vm = require('vm');
 const load = (path) => vm.runInThisContext(fs.readFileSync(path, 'utf8'));
 globalThis.require = require, globalThis.process = process, globalThis.onmessage = null;
 globalThis.postMessage = () => {}, globalThis.__dirname = '.', globalThis.__filename = 'x';
@@ -34,8 +34,8 @@ const [built, parts] = process.argv.slice(2);
 load(built + '/core.js'), load(built + '/tables.js');
 load(parts + '/shared.js'), load(parts + '/worker.js');
 serpenoidCore().then((module) => {
-  const asked = new Core(module), given = JSON.parse(fs.readFileSync(0, 'utf8'));
-  const answers = given.map((s) => [asked.ideal(s), asked.typical(s), ...asked.range(s)]);
+  const core = new Core(module), inputs = JSON.parse(fs.readFileSync(0, 'utf8'));
+  const answers = inputs.map((s) => [core.ideal(s), core.typical(s), ...core.range(s)]);
   console.log(JSON.stringify(answers)), process.exit(0);
 });
 """
@@ -53,19 +53,19 @@ def page(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def browser(page) -> Iterator[Browser]:
-    with Browser(1280, 1100) as opened:
-        opened.opens(page.as_uri())
-        opened.waits_for(DRAWN)
-        yield opened
+    with Browser(1280, 1100) as window:
+        window.opens(page.as_uri())
+        window.waits_for(CURVE_DRAWN)
+        yield window
 
 
-def states(count: int) -> list[dict[str, float | str]]:
-    """Draw robots, grounds of all kinds, gaits and servos."""
-    rng, drawn = np.random.default_rng(22), []
+def random_inputs(count: int) -> list[dict[str, float | str]]:
+    """Return random robots, grounds of all kinds, gaits and servos."""
+    rng, inputs = np.random.default_rng(22), []
     for k in range(count):
         dry, viscous = k % 3 != 0, k % 3 != 1
         links = int(rng.integers(3, 10))
-        drawn.append(
+        inputs.append(
             {
                 "links": links,
                 "mass": links * rng.uniform(0.03, 0.2),
@@ -80,10 +80,10 @@ def states(count: int) -> list[dict[str, float | str]]:
                 "servo": ("hobby", "MG996R")[k % 2],
             }
         )
-    return drawn
+    return inputs
 
 
-def parts(s: dict) -> tuple[sn.Robot, sn.Ground, sn.Gait]:
+def scene_parts(s: dict) -> tuple[sn.Robot, sn.Ground, sn.Gait]:
     robot = sn.Robot(s["links"], s["mass"] / s["links"], s["length"])
     frictions = {name: s[name] for name in ("ct", "cn", "ft0", "fn0")}
     ground = sn.Ground.whole_body(links=s["links"], **frictions)
@@ -92,15 +92,15 @@ def parts(s: dict) -> tuple[sn.Robot, sn.Ground, sn.Gait]:
 
 
 def test_speeds_equal_the_package(page, tmp_path) -> None:
-    """Ideal joints to rounding; servos to 2e-3, at which both stop; a range to rough steps."""
-    program, drawn, compared = tmp_path / "ask.js", states(12), 0
-    program.write_text(NODE)
-    called = ["node", program, ROOT / "build" / "web", PARTS]
-    done = subprocess.run(
-        called, input=json.dumps(drawn), capture_output=True, text=True, check=True
+    """Compare ideal joints to rounding, servos to 5e-3, and the range of servos to a rough step."""
+    program, inputs, compared = tmp_path / "speeds.js", random_inputs(12), 0
+    program.write_text(NODE_PROGRAM)
+    command = ["node", program, ROOT / "build" / "web", PARTS]
+    result = subprocess.run(
+        command, input=json.dumps(inputs), capture_output=True, text=True, check=True
     )
-    for s, (ideal, typical, low, high) in zip(drawn, json.loads(done.stdout), strict=True):
-        robot, ground, gait = parts(s)
+    for s, (ideal, typical, low, high) in zip(inputs, json.loads(result.stdout), strict=True):
+        robot, ground, gait = scene_parts(s)
         state = sn.steady_gait(robot, ground, gait, servo=sn.servo(s["servo"]))
         assert ideal == pytest.approx(state.ideal.speed_m_s, rel=1e-9), s
         assert typical == pytest.approx(state.speed_m_s, rel=5e-3, abs=1e-4), s
@@ -111,9 +111,9 @@ def test_speeds_equal_the_package(page, tmp_path) -> None:
     assert compared >= 5
 
 
-def test_the_page_is_small_and_asks_no_network(page) -> None:
+def test_the_page_is_small_and_needs_no_network(page) -> None:
     text = page.read_bytes()
-    assert len(gzip.compress(text)) <= MOST_BYTES
+    assert len(gzip.compress(text)) <= MAX_BYTES
     assert b"<script src" not in text
     assert b"<link" not in text
 
@@ -133,7 +133,7 @@ slider.value = 60, slider.dispatchEvent(new Event('input', {bubbles: true}));"""
     assert printed.stdout.startswith(f"About {speed:.2g} m/s ")
 
 
-def test_too_fast_a_gait_and_no_friction_are_said(browser) -> None:
+def test_messages_about_a_fast_gait_and_no_friction(browser) -> None:
     address_hash = browser.runs("return location.hash")
     for address, message in (("hz=2", "stay below"), ("ct=0&cn=0&ft0=0&fn0=0", "no friction")):
         browser.runs(f"location.hash = {'#' + address!r}")
@@ -142,12 +142,12 @@ def test_too_fast_a_gait_and_no_friction_are_said(browser) -> None:
         browser.waits_for("shown.range")
 
 
-def test_the_map_holds_the_packages_speeds_and_a_click_goes_there(browser) -> None:
+def test_speeds_of_the_map_and_a_click_on_it(browser) -> None:
     browser.runs("document.querySelector('#mapped').open = true")
-    browser.waits_for(MAPPED)
+    browser.waits_for(MAP_DRAWN)
     values, s = browser.runs("return [[...shown.map.values], state]")
     for i, j in ((25, 12), (20, 20), (31, 30), (13, 31)):
-        robot, ground, gait = parts(s | {"alpha": 3 * i, "beta": 4.5 * j})
+        robot, ground, gait = scene_parts(s | {"alpha": 3 * i, "beta": 4.5 * j})
         speed = sn.steady_gait(robot, ground, gait, rtol=1e-3, powers=False).speed_m_s
         assert values[41 * i + j] == pytest.approx(speed, rel=1e-9)
     browser.runs("""const map = document.getElementById('map'), box = map.getBoundingClientRect();
@@ -157,10 +157,10 @@ map.dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowUp'}));""")
     assert browser.runs("return [state.alpha, state.beta]") == pytest.approx([61, 90], abs=1)
 
 
-def test_a_reader_who_wants_no_motion_gets_none_until_asked(page) -> None:
+def test_reduced_motion_is_respected_until_play_is_pressed(page) -> None:
     with Browser(1280, 1100, still=True) as visitor:
         visitor.opens(page.as_uri())
-        visitor.waits_for(DRAWN)
+        visitor.waits_for(CURVE_DRAWN)
         assert visitor.text("#play") == "Play"
         assert visitor.runs("return phase") == 0
         visitor.clicks("#play")
@@ -168,8 +168,8 @@ def test_a_reader_who_wants_no_motion_gets_none_until_asked(page) -> None:
 
 
 @contextmanager
-def served(folder: Path) -> Iterator[str]:
-    """Serve a folder on this machine; gives its address."""
+def local_server(folder: Path) -> Iterator[str]:
+    """Serve a folder on this machine; yield its address."""
     handler = functools.partial(SimpleHTTPRequestHandler, directory=str(folder))
     handler.log_message = lambda *_: None
     with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
@@ -181,16 +181,18 @@ def served(folder: Path) -> Iterator[str]:
 @pytest.mark.parametrize("dark", [False, True])
 @pytest.mark.parametrize("width", [390, 1280])
 def test_on_any_screen_from_a_server_with_a_link(page, width: int, dark: bool) -> None:
-    """What a link gives out of its limits, or of another name, changes nothing."""
+    """Ignore values of the link that are outside their limits, and unknown names."""
     link = "playground/index.html#alpha=33&beta=88&links=5&ct=bad&cn=-1&servo=%3Cb%3E&constructor=1"
-    with served(page.parents[1]) as address, Browser(width, 844, dark) as visitor:
+    with local_server(page.parents[1]) as address, Browser(width, 844, dark) as visitor:
         visitor.opens(f"{address}/{link}")
-        visitor.waits_for(DRAWN)
-        violations = visitor.runs(
+        visitor.waits_for(CURVE_DRAWN)
+        values = visitor.runs(
             "const s = state; return [s.alpha, s.beta, s.links, s.ct, s.cn, s.servo]"
         )
-        assert violations == [33, 88, 5, 0.084, 1.2, "hobby"]
-        visitor.runs("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
-        visitor.waits_for(MAPPED)
+        assert values == [33, 88, 5, 0.084, 1.2, "hobby"]
+        visitor.runs(
+            "document.querySelectorAll('details').forEach((item) => { item.open = true; })"
+        )
+        visitor.waits_for(MAP_DRAWN)
         assert visitor.runs("return document.documentElement.scrollWidth") <= width
         assert visitor.barriers() == []

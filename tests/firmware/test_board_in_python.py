@@ -1,4 +1,4 @@
-"""The controller through its Python binding: its tables, and a board that was not booted."""
+"""The controller through its Python binding: its tables, and a board before its first boot."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ import pytest
 from serpenoid._core import firmware
 
 
-def test_the_tables_of_the_protocol_page_are_the_boards(request: pytest.FixtureRequest) -> None:
+def test_the_tables_of_the_protocol_page_equal_those_of_the_board(
+    request: pytest.FixtureRequest,
+) -> None:
     page = (request.config.rootpath / "firmware" / "PROTOCOL.md").read_text()
     for word, number, cause, cure in firmware.ERRORS:
         assert f"| `{word}` | {number} | {cause} | {cure} |" in page
-        assert ":" not in cause + cure  # which a plotter would draw
+        assert ":" not in cause + cure  # serial plotters would draw text before a colon
     for name, (_, low, high, default) in {**firmware.SETTINGS, **firmware.TRIM}.items():
         row = next(line for line in page.splitlines() if line.startswith(f"| `{name}` |"))
         for value in (low, high, default):
@@ -18,6 +20,6 @@ def test_the_tables_of_the_protocol_page_are_the_boards(request: pytest.FixtureR
     assert f"fw={firmware.VERSION} protocol={firmware.PROTOCOL} " in page
 
 
-def test_a_board_that_was_not_booted_says_so() -> None:
+def test_a_board_must_be_booted() -> None:
     with pytest.raises(RuntimeError, match="has not been booted"):
         firmware.Board().run(1.0)

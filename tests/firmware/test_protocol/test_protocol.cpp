@@ -1,4 +1,4 @@
-// CRC, numbers and tables of the wire; which lines are taken is in tests/golden/make_dialogue.py.
+// CRC, numbers and telemetry of the protocol. tests/golden/make_dialogue.py tests whole commands.
 #include <random>
 #include <string>
 
@@ -15,10 +15,10 @@ Error envelope_of(const std::string& line, Envelope& envelope) {
     return check_line(line.data(), static_cast<uint8_t>(line.size()), envelope);
 }
 
-std::string unended(const std::string& line) { return line.substr(0, line.size() - 1); }
+std::string without_end(const std::string& line) { return line.substr(0, line.size() - 1); }
 
-// What a line says, its CRC and end cut off.
-std::string written(Output& out) {
+// The body of a line, without its CRC and line end.
+std::string body_of(Output& out) {
     out.finish();
     const std::string line = taken(out);
     return line.substr(0, line.size() - 7);
@@ -26,8 +26,8 @@ std::string written(Output& out) {
 
 }  // namespace
 
-TEST_CASE("every flip of one or two bits in a line is seen") {
-    const std::string good = unended(sealed("#12 gait 30 80 5"));
+TEST_CASE("a line with one or two wrong bits is refused") {
+    const std::string good = without_end(sealed("#12 gait 30 80 5"));
     Envelope envelope;
     REQUIRE(envelope_of(good, envelope) == Error::None);
     const size_t bits = good.size() * 8;
@@ -37,30 +37,30 @@ TEST_CASE("every flip of one or two bits in a line is seen") {
             bad[a / 8] = static_cast<char>(bad[a / 8] ^ (1 << (a % 8)));
             if (b != a) bad[b / 8] = static_cast<char>(bad[b / 8] ^ (1 << (b % 8)));
             const Error error = envelope_of(bad, envelope);
-            const bool taken = error == Error::None && envelope.has_crc && envelope.has_number;
-            CHECK_FALSE(taken);
+            const bool accepted = error == Error::None && envelope.has_crc && envelope.has_number;
+            CHECK_FALSE(accepted);
         }
     }
 }
 
-TEST_CASE("numbers are written as they are read") {
+TEST_CASE("numbers are written so that reading gives them back") {
     std::mt19937 random(5);
     for (int k = 0; k < 20000; ++k) {
         const int32_t value = static_cast<int32_t>(random()) >> (random() % 32);
-        if (value == INT32_MIN) continue;  // not a wire value
+        if (value == INT32_MIN) continue;  // no value of the protocol
         Output out;
         out.begin().put_unsigned(static_cast<uint32_t>(value));
-        CHECK(written(out) == std::to_string(static_cast<uint32_t>(value)));
+        CHECK(body_of(out) == std::to_string(static_cast<uint32_t>(value)));
         out.begin().put_micro(value);
-        const std::string said = written(out);
-        CHECK(std::lround(std::stod(said) * 1e6) == value);
-        CHECK(said.find_last_of('.') != said.size() - 1);
+        const std::string text = body_of(out);
+        CHECK(std::lround(std::stod(text) * 1e6) == value);
+        CHECK(text.find_last_of('.') != text.size() - 1);
     }
     Output out;
     out.begin().put_fixed(-325, 2).put(' ').put_fixed(5, 3).put(' ').put_fixed(0, 2);
-    CHECK(written(out) == "-3.25 0.005 0.00");
+    CHECK(body_of(out) == "-3.25 0.005 0.00");
     out.begin().put_micro(0);
-    CHECK(written(out) == "0");
+    CHECK(body_of(out) == "0");
 }
 
 TEST_CASE("the longest telemetry line fits, and is as long as PROTOCOL.md says") {

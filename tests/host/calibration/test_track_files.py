@@ -1,4 +1,4 @@
-"""Files of Tracker, Kinovea and spreadsheets: read in metres and seconds, or refused in words."""
+"""Track files of Tracker, Kinovea and spreadsheets: read in m and s, or refused with a reason."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from serpenoid.taking.track_files import read_track_file
 
 ROWS = push_track(0.8, TRUTH, np.random.default_rng(1))
 ROWS[:, 0] = np.arange(len(ROWS)) / 30
-# Heads of a time in milliseconds as Kinovea has them in its languages.
+# Headings of a time in milliseconds, in the languages of Kinovea.
 TIMES_MS = """\
 Time (ms)|Temps (ms)|Zeit (ms)|Tiempo (ms)|Tempo (ms)|Tid (ms)|Tijd (ms)|Czas (ms)|Čas (ms)
 Vreme (ms)|Vrijeme (ms)|Време (мс)|Время (мс)|Час (ms)|Χρόνος (ms)|Aika (ms)|Zaman (ms)|Masa (ms)
@@ -29,16 +29,16 @@ def read(tmp_path, text, unit=None, encoding="utf-8", name="track.csv"):
     return read_track_file(path, unit)
 
 
-def same(found, atol_s=1e-4):
-    np.testing.assert_allclose(found[0][:, 1:], ROWS[:, 1:], atol=2e-5)
-    return np.ptp(found[0][:, 0] - ROWS[:, 0]) < atol_s
+def equals_rows(track, atol_s=1e-4):
+    np.testing.assert_allclose(track[0][:, 1:], ROWS[:, 1:], atol=2e-5)
+    return np.ptp(track[0][:, 0] - ROWS[:, 0]) < atol_s
 
 
 @pytest.mark.parametrize("unit", METRES)
 @pytest.mark.parametrize("separator", ["\t", ";", ",", " "])
 def test_units_and_separators_of_tracker(tmp_path, unit, separator):
     text = tracker(ROWS, unit, separator, comma=separator in "\t;")
-    assert same(read(tmp_path, text, unit))
+    assert equals_rows(read(tmp_path, text, unit))
     with refused("no unit .*--unit or .*: one of m, cm, mm, in, ft, yd"):
         read(tmp_path, text)
 
@@ -47,60 +47,61 @@ def test_units_and_separators_of_tracker(tmp_path, unit, separator):
 @pytest.mark.parametrize("time", TIMES_MS)
 def test_units_and_languages_of_kinovea(tmp_path, unit, time):
     separator = ";" if "(" in time else ","
-    assert same(read(tmp_path, kinovea_table(ROWS, unit, time, separator=separator)))
+    assert equals_rows(read(tmp_path, kinovea_table(ROWS, unit, time, separator=separator)))
 
 
 @pytest.mark.parametrize("name", SECONDS)
 def test_units_of_time(tmp_path, name):
     text = kinovea_table(ROWS, time=f"Time ({name})", seconds=SECONDS[name])
-    assert same(read(tmp_path, text), atol_s=1e-3)
+    assert equals_rows(read(tmp_path, text), atol_s=1e-3)
 
 
 @pytest.mark.parametrize(
-    "head", ["t_s,x_m,y_m", "Time [s],X [m],Y [m]", "t (s),pos_x (m),pos_y (m)", "t;x in m;y in m"]
+    "heading",
+    ["t_s,x_m,y_m", "Time [s],X [m],Y [m]", "t (s),pos_x (m),pos_y (m)", "t;x in m;y in m"],
 )
-def test_heads_that_people_write(tmp_path, head):
-    lines = [head, *(",".join(f"{v:.6f}" for v in row) for row in ROWS)]
+def test_handwritten_headings(tmp_path, heading):
+    lines = [heading, *(",".join(f"{v:.6f}" for v in row) for row in ROWS)]
     text = "\n".join(lines)
-    assert same(read(tmp_path, text.replace(",", ";") if ";" in head else text))
+    assert equals_rows(read(tmp_path, text.replace(",", ";") if ";" in heading else text))
 
 
-def test_columns_are_told_by_names_in_any_order(tmp_path):
+def test_columns_are_recognised_by_name_in_any_order(tmp_path):
     lines = ["step,v_x (m/s),y (cm),x (cm),t (s),vy (m/s)"]
     for k, (t, x, y) in enumerate(ROWS):
         lines.append(f"{k},9.0,{100 * y:.5f},{100 * x:.5f},{t:.5f},9.0")
-    assert same(read(tmp_path, "\n".join(lines)))
+    assert equals_rows(read(tmp_path, "\n".join(lines)))
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
 @pytest.mark.parametrize("first", ["", "sep=;\r\n", "Bewegung größer\r\n"])
-def test_what_spreadsheets_put_around_a_table(tmp_path, encoding, first):
+def test_encodings_and_first_lines_of_spreadsheets(tmp_path, encoding, first):
     text = first + kinovea_table(ROWS, separator=";").replace('"', "")
-    assert same(read(tmp_path, text, encoding=encoding))
+    assert equals_rows(read(tmp_path, text, encoding=encoding))
 
 
-def test_the_point_that_was_taken_is_told(tmp_path):
-    found = read(tmp_path, tracker(ROWS, points=("head", "mass B")), "m")
-    assert same(found)
-    assert "the first point, x, is taken" in found[1][0]
+def test_a_note_names_the_point_that_is_used(tmp_path):
+    track = read(tmp_path, tracker(ROWS, points=("head", "mass B")), "m")
+    assert equals_rows(track)
+    assert "the first point, x, is taken" in track[1][0]
     assert read(tmp_path, tracker(ROWS), "m")[1] == []
     flat = "\n".join(["t_s,x_m", *(f"{t},{x}" for t, x, _ in ROWS)])
-    found = read(tmp_path, flat)
-    assert "no column y" in found[1][0]
-    assert not found[0][:, 2].any()
+    track = read(tmp_path, flat)
+    assert "no column y" in track[1][0]
+    assert not track[0][:, 2].any()
 
 
-def test_places_that_were_not_seen_are_left_out(tmp_path):
+def test_rows_without_a_position_are_left_out(tmp_path):
     lines = kinovea_table(ROWS).split("\r\n")
     for row, empty in ((5, ""), (9, "?"), (12, "-"), (20, "--")):
         lines[row + 1] = lines[row + 1].split(",")[0] + f',"{empty}","{empty}"'
-    found = read(tmp_path, "\n".join(lines))
-    seen = np.delete(ROWS, [5, 9, 12, 20], axis=0)
-    np.testing.assert_allclose(found[0], seen, atol=1e-4)
+    track = read(tmp_path, "\n".join(lines))
+    valid = np.delete(ROWS, [5, 9, 12, 20], axis=0)
+    np.testing.assert_allclose(track[0], valid, atol=1e-4)
 
 
 @pytest.mark.parametrize(
-    ("text", "unit", "told"),
+    ("text", "unit", "message"),
     [
         (kinovea_table(ROWS, "px"), None, "in 'px', which is no length; set the scale .*Kinovea"),
         (kinovea_table(ROWS, "px"), "cm", "in 'px', which is no length"),
@@ -123,6 +124,6 @@ def test_places_that_were_not_seen_are_left_out(tmp_path):
         ("", None, "the file is empty"),
     ],
 )
-def test_what_is_no_track_in_seconds_and_metres_is_refused(tmp_path, text, unit, told):
-    with refused(told):
+def test_other_files_are_refused(tmp_path, text, unit, message):
+    with refused(message):
         read(tmp_path, text, unit)

@@ -1,4 +1,4 @@
-"""Sessions on a floor through the commands: begun, pushed, killed, gone on with."""
+"""Sessions on a floor through the commands: new, pushes, a kill, continuation, advice, report."""
 
 import re
 from dataclasses import replace
@@ -16,26 +16,27 @@ from serpenoid.taking.simulated import take_all
 
 
 def run(line, typed="", fails=False):
-    """Return what a command says, on lines of any width."""
-    done = serpenoid(line, typed=typed)
-    assert (done.returncode != 0) == fails, done.stdout + done.stderr
-    return " ".join((done.stdout + done.stderr).split())
+    """Run a command; return its output and messages as one line."""
+    result = serpenoid(line, typed=typed)
+    output = result.stdout + result.stderr
+    assert (result.returncode != 0) == fails, output
+    return " ".join(output.split())
 
 
 @pytest.fixture
 def tracks(tmp_path):
-    """Files as Tracker writes them, in cm: straight, there and back."""
-    rng, found = np.random.default_rng(1), []
+    """Return files of Tracker, in cm, of straight pushes forward and backward."""
+    rng, paths = np.random.default_rng(1), []
     for k in range(4):
         rows = push_track(0.8 + 0.05 * k, TRUTH, rng, direction_rad=0.1 + np.pi * (k % 2))
         path = tmp_path / f"push{k}.txt"
         lines = [f"{t:.4E}\t{100 * x:.5E}\t{100 * y:.5E}" for t, x, y in rows]
         path.write_text("\n".join(["\tmass_A\t", "t\tx\ty", *lines]) + "\n")
-        found.append(path)
-    return found
+        paths.append(path)
+    return paths
 
 
-def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
+def test_a_session_continues_after_a_kill(tmp_path, tracks):
     folder = tmp_path / "s"
     run(f"{NEW} {folder}")
     plan = (folder / "session.toml").read_text()
@@ -45,39 +46,39 @@ def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
     assert "behind the file's name at the prompt: one of m, cm, mm, in, ft, yd" in first
     assert "Push 1 of 8, straight, THERE" in first
     assert "reading 1, push there" in first
-    # a second process finds all of it, and what a kill left half written does not count
+    # A second process finds all readings; the half line that a kill left does not count.
     with (folder / "readings.csv").open("a") as file:
         file.write("2,push,2026-")
-    again = run(f"calibrate {folder}", typed=f"\n\n\n{tracks[1]} cm\nundo\n{tracks[1]} cm\nquit\n")
-    assert "Push 2 of 8, straight, BACK" in again
-    assert "1 push" in again
+    second = run(f"calibrate {folder}", typed=f"\n\n\n{tracks[1]} cm\nundo\n{tracks[1]} cm\nquit\n")
+    assert "Push 2 of 8, straight, BACK" in second
+    assert "1 push" in second
     taken = run(f"calibrate push {folder} {tracks[2]} {tracks[3]} --unit cm")
     assert taken.count("reading") == 2
     session = load_session(folder)
     assert [p.way for p in session.kept_pushes] == ["there", "back", "there", "back"]
     assert "already" in run(f"calibrate push {folder} {tracks[2]} --unit cm", fails=True)
-    told = run(f"fit {folder}", fails=True)
-    assert "cn and fn0 cannot be told" in told
-    assert "bend of 42 degrees" in told
+    refusal = run(f"fit {folder}", fails=True)
+    assert "cn and fn0 cannot be told" in refusal
+    assert "bend of 42 degrees" in refusal
 
 
-def test_a_session_of_a_treadmill_goes_on_on_the_floor(tmp_path):
+def test_a_treadmill_session_continues_on_the_floor(tmp_path):
     folder = tmp_path / "s"
     run(f"calibrate new {folder} --defaults --surface belt --mass-kg 0.454")
     replan(folder, on="floor")
-    said = run(f"calibrate {folder}", typed="\n1.0\n2.4\n\nquit\n")
-    assert "kept as reading 1" in said
-    assert "no fit yet: it needs readings of the straight and of the bent robot" in said
+    output = run(f"calibrate {folder}", typed="\n1.0\n2.4\n\nquit\n")
+    assert "kept as reading 1" in output
+    assert "no fit yet: it needs readings of the straight and of the bent robot" in output
     assert "pushes, straight 1 of 8, more to come" in run(f"calibrate status {folder}")
-    said = run(f"calibrate {folder}", typed="\n\nskip\n1.0 2.4\nquit\n")
-    assert "left out: push 2 of 8, straight" in said
-    assert "Push 3 of 8, straight, BACK" in said
+    output = run(f"calibrate {folder}", typed="\n\nskip\n1.0 2.4\nquit\n")
+    assert "left out: push 2 of 8, straight" in output
+    assert "Push 3 of 8, straight, BACK" in output
     run(f"calibrate {folder}", typed="\n\n" + 5 * "skip\n" + "quit\n")
     assert "pushes, straight 2 of 8, the rest left out" in run(f"calibrate status {folder}")
 
 
-def test_a_simulated_person_pushes_the_wheels_that_the_session_names(tmp_path):
-    """Their inertia is a sixth of the mass: left out, dry friction comes back 15 % too large."""
+def test_a_simulated_person_uses_the_wheels_of_the_session(tmp_path):
+    """Without the wheels' inertia, a sixth of the mass, dry friction would be 15 % too large."""
     folder, script = tmp_path / "s", tmp_path / "person.toml"
     run(f"{NEW} {folder}")
     settings = folder / "session.toml"

@@ -1,4 +1,4 @@
-"""However a run is left - error, signal, kill, neglect, a lost terminal - the robot stops first."""
+"""The robot stops however a run ends: by an error, a signal, a kill, a pause, a lost terminal."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from serpenoid.base.errors import CommandRefused, RobotClosed, RobotUnattended
 from serpenoid.robot import RobotBoard
 from serpenoid.robot.wire import dialogue
 
-# A RobotBoard leaves an ignored signal ignored, as it is for what nohup started.
-OPENING = """
+# The programs restore the default signals first, because RobotBoard does not handle ignored ones.
+OPEN_ROBOT = """
 import math, os, signal, sys, time
 for number in (signal.SIGHUP, signal.SIGQUIT):
     signal.signal(number, signal.SIG_DFL)
@@ -31,16 +31,16 @@ gait = Gait(math.radians(30), math.radians(80), 5.0)
 with RobotBoard(sys.argv[1]) as robot:
     print("open", flush=True)
 """
-COMMANDING = f"""{OPENING}
+SEND_COMMANDS = f"""{OPEN_ROBOT}
     while True:
         robot.gait(gait)
         robot.straight()
         time.sleep(0.02)
 """
-FOLLOWING = f"{OPENING}    robot.gait(gait)\n    list(robot.frames())\n"
-RESTING = f"{OPENING}    input(); robot.status(); print(1)\n"
-DESERTING = f"{OPENING}    robot.gait(gait); robot.set('silence', 0.5); time.sleep(60)\n"
-FORKING = f"""{OPENING}
+READ_FRAMES = f"{OPEN_ROBOT}    robot.gait(gait)\n    list(robot.frames())\n"
+WAIT_AT_REST = f"{OPEN_ROBOT}    input(); robot.status(); print(1)\n"
+SLEEP_LONG = f"{OPEN_ROBOT}    robot.gait(gait); robot.set('silence', 0.5); time.sleep(60)\n"
+FORK_CHILD = f"""{OPEN_ROBOT}
     robot.gait(gait)
     child = os.fork()
     if not child:
@@ -53,8 +53,8 @@ FORKING = f"""{OPENING}
 """
 
 
-def drive(port: str, source: str, shell: bool = True) -> subprocess.Popen[str]:
-    """Start a program that says `open` once it has its robot, and wait for that."""
+def start_program(port: str, source: str, shell: bool = True) -> subprocess.Popen[str]:
+    """Start a program and wait until it prints `open`, when it has opened its robot."""
     child = subprocess.Popen(
         [sys.executable, "-c", source, port],
         start_new_session=not shell,
@@ -68,7 +68,7 @@ def drive(port: str, source: str, shell: bool = True) -> subprocess.Popen[str]:
     return child
 
 
-def test_an_exception_is_passed_on_and_a_stop_is_confirmed_before_bye():
+def test_an_exception_stops_the_robot_and_is_raised_again():
     with FakeBoard() as fake:
         with pytest.raises(ZeroDivisionError), RobotBoard(fake.port) as robot:
             robot.gait(GAIT)
@@ -82,35 +82,35 @@ def test_an_exception_is_passed_on_and_a_stop_is_confirmed_before_bye():
 @pytest.mark.parametrize("impatient", [False, True])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT])
 def test_a_signal_at_any_moment_stops_the_robot(number, impatient):
-    moment = random.Random(f"{number}{impatient}")
+    rng = random.Random(f"{number}{impatient}")
     with FakeBoard() as fake:
-        child = drive(fake.port, COMMANDING)
-        time.sleep(moment.uniform(0.0, 0.3))
+        child = start_program(fake.port, SEND_COMMANDS)
+        time.sleep(rng.uniform(0.0, 0.3))
         child.send_signal(number)
-        if impatient:  # the second one must not cut the stopping short
-            time.sleep(moment.uniform(0.0, 0.01))
+        if impatient:  # the second signal must not interrupt the stop
+            time.sleep(rng.uniform(0.0, 0.01))
             child.send_signal(number)
-        _, said = child.communicate(timeout=LONG_S)
-        assert fake.state in ("hold", "idle"), said
+        _, errors = child.communicate(timeout=LONG_S)
+        assert fake.state in ("hold", "idle"), errors
         assert b"\n!\n" in fake.received
         assert until(lambda: not fake.board.session) or impatient
     assert child.returncode in ((130, -2) if number == signal.SIGINT else (128 + number, -number))
 
 
-def test_ctrl_z_stops_the_robot_before_it_suspends_and_ends_no_program_whose_robot_rested():
-    for source, said in ((FOLLOWING, "the program was suspended"), (RESTING, "1\n")):
+def test_ctrl_z_stops_a_moving_robot_and_lets_a_program_with_a_resting_one_continue():
+    for source, output in ((READ_FRAMES, "the program was suspended"), (WAIT_AT_REST, "1\n")):
         with FakeBoard() as fake:
-            child = drive(fake.port, source, shell=False)
-            assert source is RESTING or fake.await_state("gait")
+            child = start_program(fake.port, source, shell=False)
+            assert source is WAIT_AT_REST or fake.await_state("gait")
             child.send_signal(signal.SIGTSTP)
             assert os.WIFSTOPPED(os.waitpid(child.pid, os.WUNTRACED)[1])
-            assert source is RESTING or fake.await_state("hold")
+            assert source is WAIT_AT_REST or fake.await_state("hold")
             child.send_signal(signal.SIGCONT)
-            assert said in "".join(child.communicate("\n", timeout=LONG_S))
-            assert (child.returncode == 0) == (source is RESTING)
+            assert output in "".join(child.communicate("\n", timeout=LONG_S))
+            assert (child.returncode == 0) == (source is WAIT_AT_REST)
 
 
-def test_ctrl_c_that_the_program_catches_has_stopped_the_robot_before(crawling):
+def test_the_robot_has_stopped_when_a_program_catches_ctrl_c(crawling):
     fake, _ = crawling
     try:
         os.kill(os.getpid(), signal.SIGINT)
@@ -119,9 +119,9 @@ def test_ctrl_c_that_the_program_catches_has_stopped_the_robot_before(crawling):
         assert fake.await_state("hold")
 
 
-def test_a_killed_program_leaves_the_robot_to_its_silence_timer():
+def test_the_silence_timer_stops_the_robot_of_a_killed_program():
     with FakeBoard() as fake:
-        child = drive(fake.port, DESERTING)
+        child = start_program(fake.port, SLEEP_LONG)
         assert fake.await_state("gait")
         child.kill()
         child.communicate()
@@ -129,59 +129,60 @@ def test_a_killed_program_leaves_the_robot_to_its_silence_timer():
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs a system with fork")
-def test_a_fork_neither_uses_nor_stops_its_parents_robot():
+def test_a_forked_child_cannot_use_its_parents_robot():
     with FakeBoard() as fake:
-        child = drive(fake.port, FORKING)
-        said, errors = child.communicate(timeout=LONG_S)
-        assert (said.split(), child.returncode) == (["closed", "3", "gait"], 0), errors
+        child = start_program(fake.port, FORK_CHILD)
+        output, errors = child.communicate(timeout=LONG_S)
+        assert (output.split(), child.returncode) == (["closed", "3", "gait"], 0), errors
         assert fake.state == "hold"
 
 
-def test_a_sleeping_program_keeps_its_robot_going_and_a_lost_one_does_not():
-    said: list[tuple[float, bytes]] = []
+def test_the_robot_moves_while_a_program_sleeps_until_unattended_s():
+    states: list[tuple[float, bytes]] = []  # time of the board, s, and its new state
 
     def listen(line: bytes) -> bytes:
         if line.startswith(b"state:"):
-            said.append((fake.board.time_s, line.split()[1]))
+            states.append((fake.board.time_s, line.split()[1]))
         return line
 
     with FakeBoard(listen) as fake, RobotBoard(fake.port, unattended_s=1.5) as robot:
         robot.set("silence", 0.6)
         robot.gait(GAIT)
-        assert until(lambda: robot.latest and said[-1][1] == b"hold", 20.0)  # looking is no call
-        (went_s, gait), (held_s, _) = said[-2:]
+        # Reading `latest` does not count as a call of the program.
+        assert until(lambda: robot.latest and states[-1][1] == b"hold", 20.0)
+        (gait_s, gait), (hold_s, _) = states[-2:]
         assert gait == b"gait"
-        assert held_s - went_s > 1.2  # two silence times
+        assert hold_s - gait_s > 1.2  # twice the silence time
         with pytest.raises(RobotUnattended, match=r"1\.5 s.*was stopped.*unattended_s"):
             robot.straight()
         robot.straight()
         assert fake.await_state("pose")
 
 
-def test_a_process_that_was_suspended_is_told_that_the_board_went_safe(crawling):
+def test_a_suspended_process_learns_that_the_board_went_to_the_safe_pose(crawling):
     fake, robot = crawling
     robot.set("silence", 0.2)
-    fake.goes_on(0.7)  # until all servos are attached; pings come as often as this silence asks
+    fake.goes_on(0.7)  # until all servos are attached; pings prevent the silence timer
     assert fake.state == "gait"
-    with robot._dialogue._talking:  # nobody can speak, as if the whole process slept
+    with robot._dialogue._talking:  # no thread can send, as in a suspended process
         assert fake.await_state("safe")
     assert until(lambda: robot._dialogue.inbox.notice)
     with pytest.raises(RobotUnattended, match="safe pose"):
         robot.status()
 
 
-TERMINALS = {  # more options, what is done, the exit status, what the screen says
-    "Ctrl-C": ("", lambda one: one.presses("\x03"), 0, "true gait frequency"),
-    "Ctrl-C before its end": ("--duration-s 60", lambda one: one.presses("\x03"), 130, "true gait"),
-    "SIGHUP": ("", lambda one: one.sends(signal.SIGHUP), 129, "stopped"),
-    "Ctrl-S": ("", lambda one: one.presses("\x13"), 1, "the program stood still for 2 s, so the"),
-    "closed": ("", lambda one: one.closes(), None, ""),
+TERMINALS = {  # further options, the event, the exit status, text on the screen
+    "Ctrl-C": ("", lambda person: person.presses("\x03"), 0, "true gait frequency"),
+    "early Ctrl-C": ("--duration-s 60", lambda person: person.presses("\x03"), 130, "true gait"),
+    "SIGHUP": ("", lambda person: person.sends(signal.SIGHUP), 129, "stopped"),
+    "Ctrl-S": ("", lambda person: person.presses("\x13"), 1, "the program stood still for 2 s"),
+    "closed": ("", lambda person: person.closes(), None, ""),
 }
 
 
 @pytest.mark.parametrize(("end", "hangup"), [*((e, "heard") for e in TERMINALS), ("closed", "")])
-def test_drive_stops_the_robot_however_its_terminal_ends_it(end, hangup, tmp_path):
-    (options, act, status, said), path = TERMINALS[end], tmp_path / "run.txt"
+def test_drive_stops_the_robot_when_its_terminal_ends(end, hangup, tmp_path):
+    (options, act, status, text), path = TERMINALS[end], tmp_path / "run.txt"
     with FakeBoard(pace=time.monotonic) as fake:
         command = program(f"drive {GAIT_TYPED} {options} --port {fake.port} --record {path}")
         if not hangup:
@@ -192,44 +193,44 @@ def test_drive_stops_the_robot_however_its_terminal_ends_it(end, hangup, tmp_pat
             assert fake.await_state("hold", 30.0)
             if end == "Ctrl-S":
                 person.presses("\x11")
-            left = person.process.wait(LONG_S) if end == "closed" else person.leaves()
-            assert left == status if status is not None else left > 0
-            assert said in person.screen
+            code = person.process.wait(LONG_S) if end == "closed" else person.leaves()
+            assert code == status if status is not None else code > 0
+            assert text in person.screen
             assert "Traceback" not in person.screen
     assert b"\n# end: " in path.read_bytes()
 
 
-def test_a_loop_slower_than_the_frames_ends_in_time_and_counts_what_it_left(crawling):
+def test_a_slow_loop_ends_in_time_and_counts_unread_frames(crawling):
     _, robot = crawling
-    begun_s, frames = clock(), 0
+    start_s, frames = clock(), 0
     for _ in robot.frames(1.0):
         frames += 1
         time.sleep(0.03)  # a frame comes every 0.02 s
-        assert clock() - begun_s < 3.0
-    assert clock() - begun_s < 1.5
+        assert clock() - start_s < 3.0
+    assert clock() - start_s < 1.5
     assert robot.losses.unread_frames == pytest.approx(50 - frames, abs=8)
-    robot.straight()  # the board is as well as before
+    robot.straight()  # the board works as before
 
 
-def test_a_stop_goes_out_at_once_though_another_thread_waits_for_a_verdict(monkeypatch, crawling):
+def test_a_stop_is_sent_while_another_thread_waits_for_a_verdict(monkeypatch, crawling):
     monkeypatch.setattr(dialogue, "PATIENCE_S", LONG_S)
     fake, robot = crawling
-    fake.to_host = lambda line: b"" if line.startswith(b"ok: #") else line  # it waits long
+    fake.to_host = lambda line: b"" if line.startswith(b"ok: #") else line  # without a verdict
     waiting = threading.Thread(target=robot.status)
     waiting.start()
     assert until(lambda: b" status *" in fake.received)
     stopper = threading.Thread(target=robot.stop)
     stopper.start()
     assert fake.await_state("hold")
-    assert waiting.is_alive()  # and would be for a minute
+    assert waiting.is_alive()  # it would wait for a minute
     fake.to_host = lambda line: line
     stopper.join()
     waiting.join()
     assert fake.received.index(b"\n!\n") < fake.received.index(b" stop *")
 
 
-def test_a_motion_whose_verdict_was_lost_is_not_sent_again_after_a_stop(monkeypatch, crawling):
-    monkeypatch.setattr(dialogue, "RETRY_S", 0.3)  # in which the stop has come
+def test_a_motion_with_a_lost_verdict_is_not_repeated_after_a_stop(monkeypatch, crawling):
+    monkeypatch.setattr(dialogue, "RETRY_S", 0.3)  # longer than the stop takes
     fake, robot = crawling
     stops: list[threading.Thread] = []
 
@@ -251,7 +252,7 @@ def test_a_motion_whose_verdict_was_lost_is_not_sent_again_after_a_stop(monkeypa
     assert fake.await_state("pose")
 
 
-def test_a_robot_is_used_inside_its_block_only_and_once():
+def test_a_robot_is_used_only_inside_its_block_and_once():
     robot = RobotBoard("virtual:fast")
     with pytest.raises(RobotClosed, match="with RobotBoard"):
         robot.straight()

@@ -1,4 +1,4 @@
-"""What `serpenoid video` answers of a film."""
+"""Answers of `serpenoid video`."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import serpenoid as sn
 from command_line import serpenoid
 
 
-def measured(film: object, line: str = "") -> Any:
-    """Return what `serpenoid video FILM LINE` answers, by attributes; raise what it refuses."""
-    done = serpenoid(f"video {film} {line} --json")
-    if done.returncode:
-        raise sn.BadInput(done.stderr)
-    return json.loads(done.stdout, object_hook=lambda values: SimpleNamespace(**values))
+def film_answer(film: object, line: str = "") -> Any:
+    """Return the answer of `serpenoid video FILM LINE`; raise BadInput if the command fails."""
+    result = serpenoid(f"video {film} {line} --json")
+    if result.returncode:
+        raise sn.BadInput(result.stderr)
+    return json.loads(result.stdout, object_hook=lambda values: SimpleNamespace(**values))
 
 
 def remarks_of(run: Any) -> dict[str, str]:
-    """Return the remarks of an answer, by name."""
+    """Return the texts of the remarks, by name."""
     return {remark.name: remark.text for remark in run.remarks}

@@ -22,8 +22,8 @@ def film(tmp_path_factory) -> Path:
     return shoot(QUICK, tmp_path_factory.mktemp("film") / "film.mp4", seconds=1.7, up=2)
 
 
-def measured(path: Path, line: str = "") -> Any:
-    return answers.measured(path, f"--set links=4 {line}")
+def film_answer(path: Path, line: str = "") -> Any:
+    return answers.film_answer(path, f"--set links=4 {line}")
 
 
 def copied(film, path, *, slower=1, tags=None, cover=False):
@@ -49,7 +49,7 @@ def copied(film, path, *, slower=1, tags=None, cover=False):
 
 @pytest.fixture(scope="module")
 def true_m_s(film):
-    return measured(film).speed_m_s
+    return film_answer(film).speed_m_s
 
 
 def tagged(fps: str) -> dict[str, str]:
@@ -60,7 +60,7 @@ def test_a_phones_slow_motion_is_measured_in_real_time_and_says_so(
     film, tmp_path, true_m_s
 ) -> None:
     slow = copied(film, tmp_path / "slow.mp4", slower=8, tags=tagged("240.000000"))
-    told = measured(slow)
+    told = film_answer(slow)
     assert told.speed_m_s == pytest.approx(true_m_s, rel=1e-9)
     assert told.time_scale == 1 / 8
     assert told.film.capture_fps == 240.0
@@ -80,7 +80,7 @@ def test_a_phones_slow_motion_is_measured_in_real_time_and_says_so(
     ],
 )
 def test_rates_of_a_file_and_its_camera(film, tmp_path, true_m_s, slower, fps, scale) -> None:
-    told = measured(copied(film, tmp_path / "film.mp4", slower=slower, tags=tagged(fps)))
+    told = film_answer(copied(film, tmp_path / "film.mp4", slower=slower, tags=tagged(fps)))
     assert told.time_scale == pytest.approx(scale, rel=1e-12)
     assert told.speed_m_s == pytest.approx(true_m_s / slower / scale, rel=1e-6)
 
@@ -88,11 +88,11 @@ def test_rates_of_a_file_and_its_camera(film, tmp_path, true_m_s, slower, fps, s
 @pytest.mark.parametrize(("fps", "words"), [("2", "a time lapse"), ("0", "between 1 and")])
 def test_a_rate_that_cannot_be_is_refused(film, tmp_path, fps, words) -> None:
     with refused(words):
-        measured(copied(film, tmp_path / "film.mp4", tags=tagged(fps)))
+        film_answer(copied(film, tmp_path / "film.mp4", tags=tagged(fps)))
 
 
 def test_the_film_is_the_first_stream_that_moves(film, tmp_path, true_m_s) -> None:
-    run = measured(copied(film, tmp_path / "cover.mkv", cover=True))
+    run = film_answer(copied(film, tmp_path / "cover.mkv", cover=True))
     assert run.film.width_px == 640
     assert run.speed_m_s == pytest.approx(true_m_s, rel=2e-3)  # times to a whole millisecond
 

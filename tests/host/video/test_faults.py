@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from command_line import serpenoid
 from refusals import refused
-from video.answers import measured, remarks_of
+from video.answers import film_answer, remarks_of
 from video.filming import Body, Film, Lens, write
 from video.worlds import LINK_M, QUICK, SIDE_M, crawling, errors, most_sigmas
 
@@ -36,7 +36,7 @@ def told(tmp_path):
 
     def measured_pictures(pictures, times=TIMES, line="--set links=4"):
         path = write(tmp_path / "film.mp4", pictures, np.asarray(times[: len(pictures)]))
-        run = measured(path, line)
+        run = film_answer(path, line)
         return run, remarks_of(run)
 
     return measured_pictures
@@ -167,7 +167,7 @@ def test_a_damaged_film_is_refused(frames, tmp_path) -> None:
         broken[place] ^= 0xFF
     path.write_bytes(broken)
     with refused(r"is damaged after 0\.7\d s: copy it from the phone again"):
-        measured(path)
+        film_answer(path)
 
 
 @pytest.mark.parametrize(
@@ -182,7 +182,7 @@ def test_what_is_no_film_is_named(tmp_path, name, content, words) -> None:
     if content is not None:
         (tmp_path / name).write_bytes(content)
     with refused(words):
-        measured(tmp_path / name)
+        film_answer(tmp_path / name)
 
 
 @pytest.fixture(scope="module")
@@ -197,7 +197,7 @@ STATED = "--set links=4 --alpha-deg 40 --beta-deg 80 --omega-rad-s"
 
 
 def test_servos_that_turn_the_wrong_way_or_want_a_trim_are_named(faulty) -> None:
-    told = remarks_of(measured(faulty, f"{STATED} 8"))
+    told = remarks_of(film_answer(faulty, f"{STATED} 8"))
     assert "joint 3 is" in told["phase"]
     assert "does the servo turn the wrong way" in told["phase"]
     assert re.search(r"joint 2 swings about \+[23]\.\d° .* move its trim by -[23]", told["centre"])

@@ -10,7 +10,7 @@ import pytest
 import serpenoid as sn
 from command_line import serpenoid
 from robots import NIRAKH_2005
-from video.answers import measured
+from video.answers import film_answer
 from video.filming import Body, Lens
 from video.worlds import SIDE_M, crawling, errors, most_sigmas, shoot
 
@@ -37,7 +37,7 @@ def run(tmp_path_factory):
         slope=0.02 * rng.normal(size=(6, 2)),
     )
     path = tmp_path_factory.mktemp("film") / "plain.mp4"
-    return measured(shoot(WORLD, path, LENS, body, times_s=slowing(1.9), up=2))
+    return film_answer(shoot(WORLD, path, LENS, body, times_s=slowing(1.9), up=2))
 
 
 def test_speed_and_joints_are_found_within_sigmas_that_are_not_vain(run) -> None:
@@ -74,7 +74,7 @@ def test_the_demos_film_is_a_reading_that_says_what_the_lab_knows(tmp_path) -> N
     gait = "--alpha-deg 60 --beta-deg 75 --omega-rad-s 5.235988"
     files = tmp_path / "track.csv", tmp_path / "film.png"
     typed = f"{gait} --track {files[0]} --plot {files[1]} --session {folder}"
-    told = measured(DEMO / "film.mp4", typed)
+    told = film_answer(DEMO / "film.mp4", typed)
     assert all(file.stat().st_size > 5000 for file in files)
     rows = np.genfromtxt(files[0], delimiter=",", names=True)
     assert len(rows) == told.film.frames
@@ -96,9 +96,9 @@ def test_a_recording_gives_the_gait_and_ties_the_film_to_the_boards_time(tmp_pat
     record = tmp_path / "run.wire"
     gait = "--alpha-deg 60 --beta-deg 75 --omega-rad-s 5.1 --duration-s 4"
     serpenoid(f"drive --port virtual:fast {gait} --record {record}", check=True)
-    run = measured(DEMO / "film.mp4", f"--recording {record}")
+    run = film_answer(DEMO / "film.mp4", f"--recording {record}")
     assert run.omega_rad_s == pytest.approx(5.1, rel=1e-3)
     assert run.time_scale == pytest.approx(5.235988 / 5.1, rel=1e-3)
     assert run.path_m == pytest.approx(0.1026 * 2.2 * 1.2, rel=0.02)
     with pytest.raises(sn.BadInput, match="has 5 joints; the robot has 3"):
-        measured(DEMO / "film.mp4", f"--recording {record} --set links=4")
+        film_answer(DEMO / "film.mp4", f"--recording {record} --set links=4")
