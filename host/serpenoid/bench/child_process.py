@@ -1,7 +1,7 @@
-"""Run work in a child process under a time limit: a hang or a crash becomes an answer.
+"""Run functions in a child process under a time limit, so that hangs and crashes become results.
 
-The limit is of processor time, so that other load on the machine fells nobody: a timer whose signal
-ends the child, compiled code or not. A clock on the wall stands behind it, for work that sleeps.
+The limit is of processor time, so that it does not depend on other load on the machine. A timer's
+signal ends the child, in compiled code too. A limit of elapsed time ends work that sleeps.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from typing import Any
 
 def _serve(pipe: Connection) -> None:
     """Answer requests (limit, function, arguments) with (value, note) until the pipe closes."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for who started us
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ[name] = "1"  # read when NumPy is loaded: not yet
+        os.environ[name] = "1"  # NumPy, not loaded yet, reads it.
     while True:
         try:
             limit_s, work, arguments = pipe.recv()
@@ -34,9 +34,9 @@ def _serve(pipe: Connection) -> None:
 
 
 class Limited:
-    """Hold one child process that works for us; it is replaced after it overran or crashed.
+    """One child process that runs functions; it is replaced after an overrun or a crash.
 
-    The child uses one core: the libraries of linear algebra start no threads there.
+    The child uses one core: libraries of linear algebra start no threads in it.
     """
 
     def __init__(self) -> None:
@@ -50,21 +50,21 @@ class Limited:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._child.kill()  # without effect on a child that has ended
+        self._child.kill()  # It has no effect on a child that has ended.
         self._child.join()
         self._pipe.close()
 
     def __call__(
         self, limit_s: float, work: Callable[..., Any], *arguments: object
     ) -> tuple[Any, str]:
-        """Return work(*arguments) and "", or None and a note.
+        """Return work(*arguments) and "", or None and a note on the failure.
 
-        A note is the name of an exception and its text, or begins with HANG or CRASH. limit_s: of
-        processor time. work: a function of a module's top level.
+        The note is an exception's name and text, or begins with HANG or CRASH. limit_s: limit of
+        processor time. work: a function at the top level of a module.
         """
         self._pipe.send((limit_s, work, arguments))
         try:
-            # For each second on the processor 30 are allowed on the wall.
+            # The elapsed time may be 30 times the processor time.
             if self._pipe.poll(30 * limit_s):
                 return self._pipe.recv()
         except (EOFError, ConnectionError):

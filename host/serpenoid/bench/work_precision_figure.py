@@ -1,4 +1,4 @@
-"""Work-precision diagrams: error against run time, one panel a scene."""
+"""Draw work-precision diagrams: run time against error, one panel for each scene."""
 
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ from .work_precision import PEER, Row
 
 
 def work_precision_figure(rows: Sequence[Row], path: Path) -> None:
-    """Draw every scene that was measured, more accurate to the right, faster below."""
-    scenes = [p for p in problems() if any(row.scene == p.name for row in rows)]
+    """Draw all measured scenes; accuracy grows to the right, speed downwards."""
+    measured = {row.scene for row in rows}
+    scenes = [problem for problem in problems() if problem.name in measured]
     columns = min(3, len(scenes))
     row_count = -(-len(scenes) // columns)
     errors, times_s = (3.0, 1e-15), (3e-6, 5.0)  # Ends of the axes, the same in all panels.
@@ -46,6 +47,6 @@ def work_precision_figure(rows: Sequence[Row], path: Path) -> None:
         heading(
             fig,
             "Filled: this package; open: SciPy's solvers, on equations in Python. Lower is faster, "
-            "right is more accurate.\nGrey: the reference is not known better. "
+            "right is more accurate.\nGrey: below the error of the reference itself. "
             f"{rows[0].machine}",
         )

@@ -1,4 +1,4 @@
-"""Parameters of a fit with their priors, and values of them by name."""
+"""Names, priors and arrays of the parameters that a friction fit determines."""
 
 from __future__ import annotations
 
@@ -11,22 +11,27 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.intp]
-Rows = NDArray[np.bool_]  # which residuals
-Values = Mapping[str, Floats]  # values of each parameter, (K,)
+Rows = NDArray[np.bool_]  # Mask of residuals.
+Values = Mapping[str, Floats]  # Parameter name -> K values, (K,).
 
-FRICTIONS: tuple[str, ...] = ("ct", "cn", "ft0", "fn0")  # the whole snake's, in their order
-# Taken where a set-up claims a zero without error: an undeclared 0.1 degrees would leave ft0's 95 %
-# interval with 17 % coverage, so that the prior is never absent.
+FRICTIONS: tuple[str, ...] = (
+    "ct",
+    "cn",
+    "ft0",
+    "fn0",
+)  # Of the whole snake, in the order of arrays.
+# Prior sigma of the inclinometer's zero if a set-up states 0, because an undeclared zero of
+# 0.1 degrees would reduce the coverage of ft0's 95 % interval to 17 %.
 ZERO_SIGMA_RAD = math.radians(0.1)
 ZERO, BELT = "incline_zero_rad", "belt_scale"
-ROUNDING = "rounding "  # begins the names of shared rounding errors
+ROUNDING = "rounding "  # Start of the names of shared rounding errors.
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number that readings depend on, with its normal prior.
+    """A parameter with its normal prior.
 
-    sigma: of the prior; infinite: any value above low is as likely as any other.
+    sigma: standard deviation of the prior; infinite for a flat one. low: lower bound.
     """
 
     name: str
@@ -39,5 +44,5 @@ FRICTION_PARAMETERS = tuple(Parameter(name, low=0.0) for name in FRICTIONS)
 
 
 def frictions_in(values: Values) -> Floats:
-    """Return the frictions (K, 4) among values by name, in the order of FRICTIONS."""
+    """Return the four frictions among values, (K, 4), in the order of FRICTIONS."""
     return np.stack([values[name] for name in FRICTIONS], axis=-1)

@@ -1,4 +1,4 @@
-"""What a camera records of a robot that rolls out or crawls."""
+"""A virtual camera: noisy tracks of a robot that rolls to a stop or crawls."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from .floor import Track
 
 @dataclass(frozen=True)
 class Camera:
-    """A phone on a tripod: about rate_hz pictures a second, at times that it writes down.
+    """A phone on a tripod, which records frames with their times.
 
-    jitter_s: scatter of the true interval between pictures. sigma_m: of a place found in a picture.
-    scale: of all lengths, seen over true. missing: share of pictures in which nothing was found.
-    sigma_rad: of the heading.
+    rate_hz: mean frame rate. jitter_s: standard deviation of the interval between frames. sigma_m,
+    sigma_rad: standard deviations of a position and of an angle in a frame. scale: ratio of filmed
+    to true lengths. missing: share of the frames in which the robot is not found.
     """
 
     rate_hz: float = 30.0
@@ -28,9 +28,9 @@ class Camera:
 
 
 def film(track: Track, camera: Camera, rng: np.random.Generator) -> Array:
-    """Return what a film shows of a push, from the hand's first touch until 0.3 s after it rests.
+    """Return a film's track of a push, (frames, 4): t_s, x_m and y_m of the centre, heading_rad.
 
-    Rows t_s, x_m, y_m of the robot's centre, heading_rad; (pictures, 4).
+    It begins when the hand first touches the robot, and ends 0.3 s after the robot has stopped.
     """
     end = float(track.t_s[-1]) + 0.3
     gaps = 1 / camera.rate_hz + camera.jitter_s * np.clip(rng.normal(size=int(end * 100)), -3, 3)
@@ -42,9 +42,9 @@ def film(track: Track, camera: Camera, rng: np.random.Generator) -> Array:
 def filmed(
     t_s: Array, track: Track, joints_rad: Array, camera: Camera, rng: np.random.Generator
 ) -> Array:
-    """Return what pictures at some times show: t_s, x_m, y_m, heading_rad and each joint, rad."""
+    """Return the track in frames at t_s (T,): rows of t_s, x_m, y_m, heading_rad, joint angles."""
     true = np.column_stack([track.x_m, track.y_m, track.heading_rad, joints_rad])
-    rows = np.stack([np.interp(t_s, track.t_s, way) for way in true.T])
+    rows = np.stack([np.interp(t_s, track.t_s, column) for column in true.T])
     rows[:2] *= camera.scale
     rows[:2] += camera.sigma_m * rng.normal(size=rows[:2].shape)
     rows[2:] += camera.sigma_rad * rng.normal(size=rows[2:].shape)

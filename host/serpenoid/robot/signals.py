@@ -1,4 +1,4 @@
-"""Ctrl-C, Ctrl-Z and signals that end a program: a robot in use is stopped before all else."""
+"""Stop a robot first when Ctrl-C, Ctrl-Z or a signal ends or suspends the program."""
 
 from __future__ import annotations
 
@@ -13,13 +13,15 @@ _WATCHED = (signal.SIGINT, *system.ENDING, *system.SUSPENDING)
 
 
 class SignalGuard:
-    """Call `stop` at once on a signal, then let it do what it did before.
+    """Call `stop` at once on a signal, then the handler that the signal had before.
 
     SIGTERM, SIGHUP and SIGQUIT, which would kill, raise SystemExit instead, so that `with` blocks
-    are left in order. Ctrl-Z (SIGTSTP) suspends; `resumed` is called when that is over. A signal
-    that is ignored stays ignored. While `held` is set, and at the start of the functions
-    `leaving`, which set it, signals are kept for restore(): an impatient second Ctrl-C cannot cut
-    the stopping short. Outside the main thread Python allows no handlers, and this does nothing.
+    end in order. Ctrl-Z (SIGTSTP) suspends the program, and `resumed` is called when it continues.
+    Ignored signals stay ignored. Outside the main thread, where Python allows no handlers, the
+    guard does nothing.
+
+    While `held` is set, signals are kept until restore(), so that a second Ctrl-C cannot interrupt
+    the stopping. leaving: functions that set `held`; their start counts as held already.
     """
 
     def __init__(
@@ -30,27 +32,27 @@ class SignalGuard:
     ):
         self._stop, self._resumed = stop, resumed
         self._leaving = {function.__code__ for function in leaving}
-        self._before: dict[int, Callable[[int, FrameType | None], object] | int | None] = {}
+        self._handlers: dict[int, Callable[[int, FrameType | None], object] | int | None] = {}
         self._kept: int | None = None
         self.held = False
 
     def install(self) -> None:
-        """Take over the signals."""
+        """Install the handlers."""
         if threading.current_thread() is not threading.main_thread():
             return
         for number in _WATCHED:
             handler = signal.getsignal(number)
-            if handler in (signal.SIG_IGN, None):  # None: not Python's to give back
+            if handler in (signal.SIG_IGN, None):  # Python cannot restore a None.
                 continue
-            self._before[number] = handler
+            self._handlers[number] = handler
             signal.signal(number, self._on_signal)
 
     def restore(self, *, forget: bool = False) -> None:
-        """Restore the handlers, and send the signal that was kept unless it is to be dropped."""
+        """Restore the earlier handlers and raise the kept signal; forget: drop it."""
         try:
-            for number, handler in reversed(self._before.items()):  # SIGINT last: it is kept so far
+            for number, handler in reversed(self._handlers.items()):  # SIGINT is held to the end.
                 signal.signal(number, handler)
-        finally:  # where the handler of another signal raised, those that are left act at once
+        finally:  # If a handler raised, signals not yet restored are no longer kept.
             self.held = False
         number, self._kept = self._kept, None
         if number is not None and not forget:
@@ -61,11 +63,11 @@ class SignalGuard:
         if self.held or (frame is not None and frame.f_code in self._leaving):
             self._kept = number
             return
-        handler = self._before.get(number)
+        handler = self._handlers.get(number)
         if callable(handler):
             handler(number, frame)
         elif number in system.SUSPENDING:
-            signal.raise_signal(signal.SIGSTOP)  # SIGTSTP does nothing without a shell above
+            signal.raise_signal(signal.SIGSTOP)  # A SIGTSTP has no effect without a parent shell.
             self._resumed()
         else:
             raise SystemExit(128 + number)

@@ -1,6 +1,6 @@
-"""The periodic state of a gait, with ideal joints or with servos.
+"""Solve for the periodic state of a gait, with ideal joints or with servos.
 
-What servos need is imported when they are asked for: it costs as much as a first gait.
+The modules for servos are imported at their first use, since that takes as long as a gait.
 """
 
 from __future__ import annotations
@@ -59,32 +59,34 @@ def steady_gait(
     Parameters
     ----------
     robot, ground, gait : Robot, Ground, Gait
-        What crawls, on what, and how.
+        The robot, the friction of the ground on a link, and the motion of the joints.
     rtol : float
-        Wanted relative accuracy of speed and net power of ideal joints, 0.1 to 1e-12 (dry ground:
-        to 1e-7, net power to 10 rtol). The other powers have their own stated errors.
+        Relative accuracy of speed and net power of ideal joints, 0.1 to 1e-12. On dry ground it is
+        1e-7 at best, and net power is accurate to 10 rtol. The other powers have their own stated
+        errors.
     powers : bool
-        Whether to solve for abs_power_w and positive_power_w, too (W; 0 without).
+        Whether to compute abs_power_w and positive_power_w, W; they are 0 if not.
     servo : Servo or ServoKind, optional
-        What moves the joints; None for joints that follow the gait exactly.
+        The servo that moves the joints; None for joints that follow the gait exactly.
     sensitivities : bool
-        Whether to add by how many per cent 1 % of mass, length, amplitude, lag, rate and both
-        frictions change the speed, with ideal joints.
+        Whether to compute by how many per cent the speed changes for 1 % of mass, length,
+        amplitude, lag, rate and both frictions, with ideal joints.
     from_rest : bool
-        Whether to follow runs from rest, and on viscous ground of low friction from other starts,
-        for the state's `from_rest`: two seconds at most.
+        Whether to simulate starts from rest, and on viscous ground of low friction other starts
+        too, for the state's `from_rest`. It takes two seconds at most.
 
     Returns
     -------
     Steady or ServoSteady
-        Without servo the periodic state; with one its mean speed, whose `ideal` is that Steady.
+        The periodic state with ideal joints; with a servo, the motion that it drives, which has
+        the state with ideal joints as `ideal`.
 
     Raises
     ------
     BadInput
-        A parameter is outside what the model allows.
+        If a parameter is outside its limits.
     NotConverged
-        No state was found to rtol; its `best` is the best one.
+        If no state was found to rtol; the error's `best` is the best one.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""A treadmill session with a person: terminal and robot put together."""
+"""Take a session with a person at the terminal, with or without a connected robot."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from ..options import busy
 
 
 def with_a_person(folder: Path, port: str | Link | None) -> None:
-    """Take or resume a session at the terminal; exit status 1 where the robot was lost."""
+    """Take or resume a session at the terminal; the exit status is 1 if the robot was lost."""
     console = Console()
     with ExitStack() as stack:
         journal = stack.enter_context(Journal(folder))
@@ -52,20 +52,20 @@ def with_a_person(folder: Path, port: str | Link | None) -> None:
             journal.event("connect", detail=robot.greeting)
             console.say(f"robot: {robot.greeting}")
         film = film_reader(setup.robot_table.tag_side_m)
-        show_fit = lambda session: console.say(_so_far(session))  # noqa: E731
+        show_fit = lambda session: console.say(_present_fit(session))  # noqa: E731
         dialogue = Dialogue(journal, console, robot, show_fit, film=film)
         try:
             well = dialogue.run()
         finally:
-            with suppress(RecordingFailed):  # a full disk was told of already
+            with suppress(RecordingFailed):  # The person has been told that the disk is full.
                 journal.event("end")
     if not well:
         raise SystemExit(1)
     return None
 
 
-def _so_far(session: Session) -> str:
-    """Return the running fit in a line, or what it still needs."""
+def _present_fit(session: Session) -> str:
+    """Return the present fit in words, or what it still needs."""
     if {reading.lambda_rad > 0.0 for reading in session.fitted} != {False, True}:
         return "no fit yet: it needs readings of the straight and of the bent robot"
     try:
@@ -79,11 +79,10 @@ def _so_far(session: Session) -> str:
 
 
 def film_reader(side_m: float | None, capture_fps: float | None = None) -> FilmReader:
-    """Return what reads a film of a robot with tags; side_m: of a tag, by its links unless given.
+    """Return a reader of films of a robot with tags, which needs the extra `video`.
 
-    capture_fps: pictures a second that the camera took, of slow motion whose file does not tell.
-
-    Needs the extra `video` when it is called, not before.
+    side_m: side of a tag; None: as the printed sheet has it. capture_fps: frames a second
+    that the camera recorded, for slow motion whose file does not state it.
     """
 
     def read(path: Path, robot: Robot, gait: Gait | None) -> Tracked:

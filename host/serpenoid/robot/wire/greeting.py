@@ -1,4 +1,4 @@
-"""Wait for a board's greeting, ask for it, and refuse one that speaks another protocol."""
+"""Open a session with a board: wait for its greeting, ask for it, and check its protocol."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from .link import BAUD
 from .protocol import PROTOCOL
 
 FLASH = "`serpenoid flash --port {port}`"
-BOOT_S = 2.0  # time in which a board that opening has reset greets of itself
+BOOT_S = 2.0  # Time in which a board greets unasked after the port's opening has reset it.
 
 
 def greet(talk: Dialogue, timeout_s: float) -> None:
-    """Open a session; raise ProtocolMismatch or NoAnswer.
+    """Open a session with a board; raises ProtocolMismatch or NoAnswer.
 
-    timeout_s: of listening; a process that slept meanwhile did not listen.
+    timeout_s: time to listen. Time in which this process was suspended does not count.
     """
     now_s = talk.link.now_s
     begun_s, boot_s = now_s(), min(BOOT_S, timeout_s / 2)
