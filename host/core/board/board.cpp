@@ -13,10 +13,8 @@ namespace serpenoid {
 
 Board::Board(std::uint64_t start_us, int joints)
     : joints_(static_cast<std::uint8_t>(joints)), board_(start_us) {
-    constexpr int kMinJoints = 2;
-    if (joints >= kMinJoints && joints <= firmware::kMaxJoints) return;
-    throw std::invalid_argument("joints is " + std::to_string(joints) + "; a board has " +
-                                std::to_string(kMinJoints) + " to " +
+    if (joints >= 2 && joints <= firmware::kMaxJoints) return;
+    throw std::invalid_argument("joints is " + std::to_string(joints) + "; a board has 2 to " +
                                 std::to_string(firmware::kMaxJoints));
 }
 

@@ -11,12 +11,13 @@ namespace serpenoid {
 
 namespace {
 
-constexpr double kRestSpeed = 1e-5;     // m/s, limit below which a wheel is at rest
-constexpr double kEnergyError = 1e-20;  // J, impulse times speed change that ends the sweeps
-constexpr double kImmobile = 1e-24;     // 1/kg, inverse mass of a contact that cannot move
-constexpr int kMaxSweeps = 3000;
-constexpr double kNever = 1e30;         // s, time since an update that has not happened
-constexpr double kStepRounding = 1e-9;  // rounding of a duration, as a fraction of a step
+struct ContactTuning {
+    double rest_speed = 1e-5;     // m/s, limit below which a wheel is at rest
+    double energy_error = 1e-20;  // J, impulse times speed change that ends the sweeps
+    double immobile = 1e-24;      // 1/kg, inverse mass of a contact that cannot move
+    int max_sweeps = 3000;
+};
+constexpr ContactTuning kContact;
 
 }  // namespace
 
@@ -82,14 +83,15 @@ void LabChain::aim(const std::vector<double>& angle, double rate) {
 // Start from the present shape and velocity, with joints at rest and no contact impulses.
 void LabChain::restart() {
     std::fill(imposed_rate_.begin(), imposed_rate_.end(), 0.0);
-    since_update_ = kNever;
+    since_update_ = HUGE_VAL;
     set_wheel_rows(0);
     for (Contact& contact : contact_) contact.impulse = 0;
     set_speeds();
 }
 
 bool LabChain::advance(double duration, double h) {
-    const int steps = std::max(1, static_cast<int>(std::ceil(duration / h - kStepRounding)));
+    // Rounding of the duration takes no step more.
+    const int steps = std::max(1, static_cast<int>(std::ceil(duration / h - 1e-9)));
     for (int k = 0; k < steps; ++k)
         if (!step(duration / steps)) return false;
     return true;
@@ -132,7 +134,7 @@ void LabChain::update_duties(double h) {
     const bool due = hz == 0 || since_update_ * hz >= 1 - 0.5 * h * hz;
     for (int i = 0; due && i + 1 < n_; ++i)
         duty_[i] = servo_->duty(goal_[i] - joint_angle(i), gear(i).speed);
-    if (due) since_update_ = hz > 0 && since_update_ < kNever ? since_update_ - 1 / hz : 0;
+    if (due) since_update_ = hz > 0 && since_update_ < HUGE_VAL ? since_update_ - 1 / hz : 0;
     since_update_ += h;
 }
 
@@ -241,7 +243,7 @@ void LabChain::add_friction(double h) {
         if (k % 2 == 0) add_square(wheel, link.rolling, wheel.speed);
         wheel.viscous = h * (wheel.speed < 0 ? f.c_back : f.c);
         add_square(wheel, wheel.viscous, 0);
-        const double hold = std::fabs(wheel.speed) < kRestSpeed ? h * link.breakaway : h;
+        const double hold = std::fabs(wheel.speed) < kContact.rest_speed ? h * link.breakaway : h;
         wheel.low = -hold * f.f0;
         wheel.high = hold * f.f0_back;
     }
@@ -260,12 +262,12 @@ bool LabChain::solve() {
         c.response = c.row;
         solve_factored(c.response);
         const double inverse = dot(c.row.data(), c.response.data(), size_);
-        c.mass = inverse > kImmobile ? 1 / inverse : 0;
+        c.mass = inverse > kContact.immobile ? 1 / inverse : 0;
         c.impulse = std::clamp(c.impulse, c.low, c.high);
         add(u_.data(), size_, c.impulse, c.response.data());
     }
     bool changed = true;
-    for (int sweeps = 0; sweeps < kMaxSweeps && changed; ++sweeps) {
+    for (int sweeps = 0; sweeps < kContact.max_sweeps && changed; ++sweeps) {
         changed = false;
         for (Contact& c : contact_) {
             const double v = c.offset + dot(c.row.data(), u_.data(), size_);
@@ -273,7 +275,7 @@ bool LabChain::solve() {
             if (change == 0) continue;
             c.impulse += change;
             add(u_.data(), size_, change, c.response.data());
-            changed = changed || change * change > kEnergyError * c.mass;
+            changed = changed || change * change > kContact.energy_error * c.mass;
         }
     }
     set_speeds();

@@ -112,9 +112,7 @@ inline CycleMap::CycleMap(const Robot& robot, const Gait& gait, bool mirrored)
       table_(robot.n, gait),
       nm_(robot.n * robot.m),
       mirrored_(mirrored) {
-    constexpr double kLeastBend = 1e-9;  // rad
-    const double v = gait.omega * robot.l * std::max(gait.alpha, kLeastBend),
-                 arm = robot.n * robot.l;
+    const double v = gait.omega * robot.l * std::max(gait.alpha, 1e-9), arm = robot.n * robot.l;
     scale_ = {nm_ * v, nm_ * v, robot.n * (robot.I + robot.m * arm * arm / 12) * v / arm};
     shape_.set(robot_, table_, 0, 1, false);
 }

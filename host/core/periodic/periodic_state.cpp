@@ -15,8 +15,8 @@ SteadyState SteadyState::unknown() {
 Acceptance::Acceptance(const SteadyOptions& options, const Robot& robot, const Ground& ground,
                        double omega)
     : rtol(options.rtol), power_rtol(ground.smooth() ? rtol : 10 * rtol) {
-    constexpr double kRounding = 1e-13;  // a speed's, over body length times omega
-    speed_floor = std::max(kSpeedFloor, kRounding / rtol) * omega * 2 * robot.l * robot.n;
+    // Rounding of a speed is 1e-13 of body length times omega.
+    speed_floor = std::max(kSpeedFloor, 1e-13 / rtol) * omega * 2 * robot.l * robot.n;
 }
 
 double Acceptance::excess(const SteadyState& s) const {

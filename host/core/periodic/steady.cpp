@@ -11,28 +11,30 @@ namespace serpenoid {
 
 namespace {
 
+struct SearchTuning {
+    double min_log = -30;          // least logarithm of a multiplier above rounding errors
+    double settled = 0.02;         // change in a cycle, in units of the scales, of a settled motion
+    double max_retry_rtol = 1e-4;  // rtol below which a failed search is repeated with 10 rtol
+    double rtol_share = 0.12;  // first tolerance over rtol: the second level is mostly sufficient
+    double tightest = 1e-7;    // first tolerance: a looser level before a tighter one costs little
+    double loosest = 3e-4;     // tolerance at which Newton's method mostly converges
+    double cycle_tolerance = 1e-3;  // tolerance of the cycles before the search
+    int max_pieces = 600'000;       // pieces times links in a search, which then takes seconds
+};
+constexpr SearchTuning kSearch;
+
 // Sticking wheels may damp a disturbance to the size of rounding errors. The largest multiplier is
 // then known to be small, but not its value.
 SteadyState limit_multiplier(SteadyState state) {
-    constexpr double kMinLog = -30;  // least logarithm of a multiplier above rounding errors
-    if (state.log_largest_multiplier < kMinLog) {
-        state.log_largest_multiplier = kMinLog;
-        state.log_multiplier_error = -kMinLog;
+    if (state.log_largest_multiplier < kSearch.min_log) {
+        state.log_largest_multiplier = kSearch.min_log;
+        state.log_multiplier_error = -kSearch.min_log;
     }
     return state;
 }
 
-constexpr double kSettled = 0.02;  // change in a cycle, in units of the scales, of a settled motion
-
-constexpr double kMaxRetryRtol = 1e-4;  // rtol below which a failed search is repeated with 10 rtol
-
-// The first tolerance, chosen so that the second level is mostly sufficient.
 double first_tolerance(double rtol) {
-    constexpr double kRtolShare = 0.12;
-    constexpr double kMin =
-        1e-7;  // tightest value: a looser level before a tighter one costs little
-    constexpr double kMax = 3e-4;  // loosest value at which Newton's method mostly converges
-    return std::clamp(kRtolShare * rtol, kMin, kMax);
+    return std::clamp(kSearch.rtol_share * rtol, kSearch.tightest, kSearch.loosest);
 }
 
 }  // namespace
@@ -40,9 +42,8 @@ double first_tolerance(double rtol) {
 // The state of a gait without amplitude, whose motion gives no scales: speed and power are zero,
 // and disturbances decay as with a very small amplitude.
 SteadyState SteadyByPieces::at_rest(double omega, const SteadyOptions& options) const {
-    constexpr double kSmallAmplitude = 1e-3;  // rad
     Gait small = gait_;
-    small.alpha = kSmallAmplitude;
+    small.alpha = 1e-3;
     const SteadyState moving = SteadyByPieces(robot_, ground_, small).solve(omega, options);
     SteadyState state;
     state.monodromy = moving.monodromy;
@@ -63,14 +64,14 @@ void SteadyByPieces::search_from_rest(CycleMap& map, FixedPoint& point, const Ac
         int cycles;
     };
     constexpr Try kTries[] = {{1, 4}, {0.03, 4}, {1, 200}, {0.3, 4}, {0.1, 4}, {30, 4}, {100, 4}};
-    constexpr int kFewCycles = 4;
-    constexpr double kCycleTolerance = 1e-3;  // tolerance of the cycles before the search
     bool settled = false;
     for (const auto& [tolerance, cycles] : kTries) {
         const double share = settled ? 1 : 0.5;
         if (!settled) point.start = {0, 0, map.momentum_at_rest() / map.scale()[2]};
-        settled = settled || cycles > kFewCycles;
-        if (!point.follow_cycles(cycles, kSettled, kCycleTolerance * tolerance, share)) continue;
+        settled = settled || cycles > kTries[0].cycles;
+        if (!point.follow_cycles(cycles, kSearch.settled, kSearch.cycle_tolerance * tolerance,
+                                 share))
+            continue;
         SteadyState state = Refinement(map, point, options)
                                 .refine(tolerance * first_tolerance(options.rtol), accepted);
         if (!settled && state.log_largest_multiplier > 0) state.converged = false;
@@ -80,11 +81,10 @@ void SteadyByPieces::search_from_rest(CycleMap& map, FixedPoint& point, const Ac
 }
 
 SteadyState SteadyByPieces::solve(double omega, const SteadyOptions& options, const Vec3* start) {
-    constexpr int kMaxPieces = 600'000;  // pieces times links in a search, which then takes seconds
     if (gait_.alpha == 0) return at_rest(omega, options);
     gait_.omega = omega;
     const Acceptance accepted(options, robot_, ground_, omega);
-    SlidingCycle map(robot_, ground_, gait_, kMaxPieces / robot_.n);
+    SlidingCycle map(robot_, ground_, gait_, kSearch.max_pieces / robot_.n);
     FixedPoint point(map, promising_ && last_);
     SteadyState best = SteadyState::unknown();
     if (start || last_) {
@@ -95,8 +95,8 @@ SteadyState SteadyByPieces::solve(double omega, const SteadyOptions& options, co
     promising_ = point.promising();
     last_.reset();
     if (best.converged) last_ = point.start;
-    if (!best.converged &&
-        options.rtol < kMaxRetryRtol) {  // tight tolerances fail where wheels chatter
+    // Tight tolerances fail where wheels chatter.
+    if (!best.converged && options.rtol < kSearch.max_retry_rtol) {
         SteadyOptions wider = options;
         wider.rtol *= 10;
         const SteadyState rough = solve(omega, wider);

@@ -34,7 +34,6 @@ std::vector<SteadyState> states_of(const SweepShape& shape, const std::vector<do
 // Share `count` tasks among threads; a task returns the number of gaits it solved.
 void run_parallel(std::size_t count, int threads, const KeepRunning& keep_running,
                   const std::function<long(std::size_t)>& task) {
-    constexpr std::chrono::milliseconds kReportInterval{100};
     std::atomic<std::size_t> next = 0;
     std::atomic<long> gaits = 0;
     std::atomic<bool> stop = false;
@@ -44,7 +43,7 @@ void run_parallel(std::size_t count, int threads, const KeepRunning& keep_runnin
     std::vector<std::future<void>> pool(std::max(threads, 1));
     for (auto& worker : pool) worker = std::async(std::launch::async, work);
     for (auto& worker : pool) {
-        while (worker.wait_for(kReportInterval) != std::future_status::ready)
+        while (worker.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready)
             stop = stop || !keep_running(gaits.exchange(0));
         worker.get();
     }

@@ -6,6 +6,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -21,8 +22,6 @@ using serpenoid::Board;
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 void check(const char* name, double value, double limit) {
     if (std::fabs(value) <= limit) return;
     throw std::invalid_argument(std::string(name) + " is " + std::to_string(value) +
@@ -36,9 +35,9 @@ Angles gait_setpoints_rad(double alpha_rad, double beta_rad, double omega_rad_s,
                           int64_t first_frame, size_t frames, size_t joints) {
     if (joints > 255) throw std::invalid_argument("the firmware's gait takes at most 255 joints");
     if (!(omega_rad_s >= 0)) throw std::invalid_argument("omega_rad_s must be at least 0");
-    check("alpha_rad", alpha_rad, kPi / 2);
-    check("offset_rad", offset_rad, kPi / 2);
-    check("beta_rad", beta_rad, kPi);
+    check("alpha_rad", alpha_rad, std::numbers::pi / 2);
+    check("offset_rad", offset_rad, std::numbers::pi / 2);
+    check("beta_rad", beta_rad, std::numbers::pi);
     check("omega_rad_s", omega_rad_s, 50);
     const serpenoid::FirmwareGait gait({alpha_rad, beta_rad, omega_rad_s, offset_rad});
     double* const angles = new double[frames * joints + 1];

@@ -45,10 +45,9 @@ ServoGaitState servo_gait_of(const Model& m, const Servo& servo, const Vec3& sta
                              const Mat3& monodromy, double longest, bool rough, double slow,
                              const nb::object& progress) {
     using Clock = std::chrono::steady_clock;
-    constexpr auto kEvery = std::chrono::milliseconds(50);
     auto last_call = Clock::now();
     const auto report = [&](double done_cycles, double all_cycles) {
-        if (Clock::now() - last_call < kEvery) return;
+        if (Clock::now() - last_call < std::chrono::milliseconds(50)) return;
         const nb::gil_scoped_acquire acquire;
         if (PyErr_CheckSignals() != 0) throw nb::python_error();
         if (!progress.is_none()) progress(done_cycles, all_cycles);
@@ -58,9 +57,6 @@ ServoGaitState servo_gait_of(const Model& m, const Servo& servo, const Vec3& sta
     return servo_gait(m.robot, m.ground, m.gait, servo, start, monodromy, longest, rough, slow,
                       report);
 }
-
-// s, a tenth of the time in which a quick rotor comes to speed
-constexpr double kMaxBenchStep = 1e-3;
 
 // Angles (K, T) of joints: rows of the fields that BENCH_FIELDS names, and the times at which each
 // setpoint takes effect on each of them.
@@ -77,8 +73,9 @@ Array angles_on_bench(Table joints, Vector setpoints, Table effect_times, Vector
             BenchJoint joint;
             const double* value = joints.data() + k * fields;
             each_bench_field([&](const char*, auto field) { field(joint) = *value++; });
+            // A quick rotor comes to speed in ten steps of 1 ms.
             bench_angles(joint, {setpoints.data(), steps}, {effect_times.data() + k * steps, steps},
-                         {times.data(), rows}, kMaxBenchStep, {&angles[k * rows], rows});
+                         {times.data(), rows}, 1e-3, {&angles[k * rows], rows});
         }
     }
     return to_numpy(std::move(angles), {count, rows});

@@ -20,9 +20,9 @@ inline double joint_power(const Mechanics& m, std::size_t i) {
 
 class EnergyLedger {
   public:
-    static constexpr int kIntegrals = 4;  // joints, friction, dampers, P+
-    static constexpr int kHeat = 1;       // that of friction
-    static constexpr int kColumns = 7;    // kinetic, spring, height, and the integrals
+    static constexpr int kIntegrals = 4;             // joints, friction, dampers, P+
+    static constexpr int kHeat = 1;                  // index of friction
+    static constexpr int kColumns = 3 + kIntegrals;  // kinetic, spring, height, and the integrals
 
     explicit EnergyLedger(const RunRequest& request)
         : slope_(request.slope), stiffness_(request.spring.k) {}

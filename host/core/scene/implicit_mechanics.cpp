@@ -127,14 +127,14 @@ class ImplicitMechanics final : public Mechanics {
     }
     // Derivatives of the joints' torques by their angles and rates, at a state that is loaded.
     void torque_slopes(double t, std::vector<double>& by_angle, std::vector<double>& by_rate) {
-        constexpr double kDifference = 1e-6;  // rad, rad/s
+        const double difference = 1e-6;  // rad, rad/s
         const auto slopes = [&](std::vector<double>& values, std::vector<double>& slope) {
             const std::vector<double> saved_values = values;
-            for (int i = 0; i < robot.n; ++i) values[i] += i * kDifference;
+            for (int i = 0; i < robot.n; ++i) values[i] += i * difference;
             slope.resize(driven.size());
             source->torques(t, chain, slope.data());
             for (std::size_t i = 0; i < slope.size(); ++i)
-                slope[i] = (slope[i] - driven[i]) / kDifference;
+                slope[i] = (slope[i] - driven[i]) / difference;
             values = saved_values;
         };
         slopes(chain.theta, by_angle);

@@ -9,16 +9,19 @@
 namespace serpenoid {
 
 namespace {
-constexpr double kAtRest = 1e-3;           // of a step's tolerance: speed of a wheel that may rest
-constexpr double kLeastTolerance = 1e-10;  // below it that speed is rounding
-constexpr double kOverBound =
-    1e-6;  // of its bound: by how much the force exceeds it at the end of rest
-constexpr double kBackwards = 0.1;  // of at_rest: backward speed of a wheel at the end of its slide
-// Share of its bound by which rounding may leave the sum of all forces on a contact that rests.
-// With 1e-12 wheels that hold each other were let go and caught again, hundreds of times at once.
-constexpr double kForceRounding = 1e-8;
-constexpr double kCreep = 100;     // times at_rest: largest speed of a wheel that rests
-constexpr double kOvershot = 1e3;  // times at_rest: largest speed of a wheel just after it reversed
+struct RestTuning {
+    double speed = 1e-3;       // speed of a wheel that may rest, over a step's tolerance
+    double tolerance = 1e-10;  // least tolerance: with a smaller one that speed is rounding
+    double excess = 1e-6;      // excess of the force over its bound at the end of rest, relative
+    // Share of its bound by which rounding may leave the sum of all forces on a contact that rests.
+    // With 1e-12 wheels that hold each other were let go and caught again, hundreds of times at
+    // once.
+    double force_rounding = 1e-8;
+    // Speeds over the one that may rest: backward at the end of a slide; of a wheel that rests; of
+    // one that just reversed.
+    double backward = 0.1, creep = 100, reversed = 1e3;
+};
+constexpr RestTuning kRest;
 }  // namespace
 
 Sticking::Sticking(Mechanics& mechanics, const RunRequest& request)
@@ -26,7 +29,7 @@ Sticking::Sticking(Mechanics& mechanics, const RunRequest& request)
       chain_(mechanics.chain),
       along_(request.ground.along),
       length_(2 * request.robot.l),
-      at_rest_(kAtRest * std::max(mode_tolerance(request), kLeastTolerance) * request.robot.n *
+      at_rest_(kRest.speed * std::max(mode_tolerance(request), kRest.tolerance) * request.robot.n *
                length_ * rate_unit(request)) {
     const double force_scale = request.robot.n * request.robot.m * request.robot.n * length_ *
                                rate_unit(request) * rate_unit(request);
@@ -176,7 +179,7 @@ void Sticking::find(double t, double* y) {
         const bool rested = contacts_[w].sign == 0 && has_modes_;
         // time has a resolution: under strong forces the speed passes at_rest within it
         const bool turned = has_modes_ && contacts_[w].sign * v < 0;
-        const double slowly = (turned ? kOvershot : 1) * at_rest_;
+        const double slowly = (turned ? kRest.reversed : 1) * at_rest_;
         if (contacts_[w].dry > 0 && (rested || std::fabs(v) <= slowly)) {
             slow.push_back(static_cast<int>(w));
             share.push_back(rested ? contacts_[w].share : -contacts_[w].sign);
@@ -225,7 +228,7 @@ void Sticking::margins(double t, const double* y, std::vector<double>& margin) {
     for (std::size_t w = 0; w < contacts_.size(); ++w)
         if (contacts_[w].sign != 0)
             margin[w] = 1 + (contacts_[w].sign * speed(contacts_[w]) + contacts_[w].wrong) /
-                                (kBackwards * at_rest_);
+                                (kRest.backward * at_rest_);
     const std::vector<int>& resting = resting_;
     if (resting.empty()) return;
     const bool all_hold = others_hold();
@@ -233,7 +236,7 @@ void Sticking::margins(double t, const double* y, std::vector<double>& margin) {
         Contact& w = contacts_[resting[i]];
         w.share = share_[i];
         margin[resting[i]] =
-            1 + (all_hold ? 0 : w.breakaway_ratio * (1 - std::fabs(share_[i])) / kOverBound);
+            1 + (all_hold ? 0 : w.breakaway_ratio * (1 - std::fabs(share_[i])) / kRest.excess);
     }
 }
 
@@ -246,15 +249,16 @@ bool Sticking::others_hold() {
     std::vector<double> within = share_;
     box_.minimise(response_, pull_, within);
     for (std::size_t i = 0; i < k; ++i)
-        if (excess(within, i) > kForceRounding) return false;
+        if (excess(within, i) > kRest.force_rounding) return false;
     share_ = within;
     return true;
 }
 
 bool Sticking::creeps(double t, const double* y) {
     mechanics_.fill_chain(t, y);
-    return std::any_of(resting_.begin(), resting_.end(),
-                       [&](int w) { return std::fabs(speed(contacts_[w])) > kCreep * at_rest_; });
+    return std::any_of(resting_.begin(), resting_.end(), [&](int w) {
+        return std::fabs(speed(contacts_[w])) > kRest.creep * at_rest_;
+    });
 }
 
 }  // namespace serpenoid

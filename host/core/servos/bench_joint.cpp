@@ -9,7 +9,6 @@ namespace serpenoid {
 
 namespace {
 
-constexpr double kMinInertia = 1e-9;     // kg m^2, in place of none: it comes to speed at once
 constexpr double kTimeRounding = 1e-12;  // s, below any step
 
 struct Motion {
@@ -40,7 +39,8 @@ void bench_angles(const BenchJoint& joint, std::span<const double> setpoints,
                   std::span<const double> effect_times, std::span<const double> times,
                   double max_step, std::span<double> angles) {
     const Servo& s = joint.servo;
-    const double inertia = std::max(s.armature + joint.load_inertia, kMinInertia);
+    // A joint without inertia comes to speed at once: 1e-9 kg m^2 do.
+    const double inertia = std::max(s.armature + joint.load_inertia, 1e-9);
     const double motor_line = s.torque_limit / s.speed_limit;
     const bool sampled = s.update_hz > 0;
     double t = times[0];

@@ -27,6 +27,7 @@ struct ServoGaitTuning {
     double swing = 0.7;            // rad of a loop's quickest swing, in a step
     int finest_split = 8;          // parts of a step
     double settling = 5;           // cycles to the fixed point: the mean of 40 random gaits
+    int searches = 3;              // searches for the fixed point
 };
 constexpr ServoGaitTuning kTuning;
 
@@ -89,13 +90,12 @@ class ServoCycle final : public CycleMap {
 // continue from it. Returns what Newton's method would still change, m/s; infinite where it finds
 // none.
 double settle(ServoSteps& steps, ServoCycle& map, double part, double floor) {
-    constexpr int kSearches = 3;
     steps.cycle();  // the joints forget their start
     FixedPoint point(map, false);
     const Vec3 &scale = map.scale(), start = map.state();
     for (int i = 0; i < 3; ++i) point.start[i] = start[i] / scale[i];
     const double unit = scale[0] / map.nm();  // m/s
-    for (int search = 0; search < kSearches; ++search) {
+    for (int search = 0; search < kTuning.searches; ++search) {
         Orbit orbit;
         const double goal = part * std::max(steps.path().speed, floor);
         if (point.solve(0, goal / unit, false, orbit) != FixedPoint::Ended::converged) break;

@@ -17,10 +17,6 @@
 namespace serpenoid {
 namespace {
 
-constexpr double kServoRtol = 1e-6;  // relative error of the ideal state that a servo's starts from
-constexpr double kMotionTolerance = 1e-3;  // of the run that is drawn: less than a pixel
-constexpr long long kMostSteps = 100000;   // of the run that is drawn; more would take minutes
-
 SweepShape shape_of(const double* scene) {
     const int links = static_cast<int>(scene[0]);
     const double mass = scene[1], length = scene[2];
@@ -79,7 +75,7 @@ int serpenoid_servos(const double* scene, const double* servos, int count, doubl
                      int rough, double* speeds) {
     try {
         const SweepShape shape = shape_of(scene);
-        const SteadyState ideal = steady_state(shape, {kServoRtol, false});
+        const SteadyState ideal = steady_state(shape, {1e-6, false});
         int fields = 0;
         each_servo_field([&](const char*, double Servo::*) { ++fields; });
         for (int k = 0; k < count; ++k) {
@@ -107,11 +103,11 @@ int serpenoid_motion(const double* scene, const double* servo, int cycles, int f
         request.drive = Drive::servo;
         request.servo = servo_of(servo);
         request.method = method_kind("nonsmooth");
-        request.tolerance = kMotionTolerance;
+        request.tolerance = 1e-3;  // less than a pixel of what is drawn
         request.duration = cycles * 2 * std::numbers::pi / shape.gait.omega;
         request.steps = static_cast<long long>(cycles) * frames;
         request.dt = request.duration / static_cast<double>(request.steps);
-        request.most_steps = kMostSteps;
+        request.most_steps = 100000;  // more would take minutes
         request.start = resting_start(shape);
         const RunResult run = simulate(request);
         if (run.failed_at >= 0) return 0;

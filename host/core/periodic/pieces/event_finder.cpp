@@ -14,9 +14,18 @@ constexpr int kStages = SlidingPiece::kStages;
 using Rule = SlidingPiece::Rule;
 using Polynomial = StagePolynomial<kStages>;
 
-// Margins below which a mode has ended. Values between these and -1 may be rounding.
-constexpr double kMarginAtStage = -2;
-constexpr double kMarginBetweenStages = -40;  // lower: the polynomial is less accurate there
+struct EventTuning {
+    // Margins below which a mode has ended. Values between these and -1 may be rounding; between
+    // stages the polynomial is less accurate.
+    double margin_at_stage = -2;
+    double margin_between_stages = -40;
+    double root_error = 0.1;          // error of the margin at the root
+    double min_dip_width = 1.0 / 64;  // width of a dip, as a fraction of a piece
+    double margin_error = 0.5;        // accepted distance of a refined stop from the margin -1
+    double max_move = 0.01;  // fraction of a piece by which a stop is refined; farther off the
+                             // slope differs
+};
+constexpr EventTuning kEvent;
 
 }  // namespace
 
@@ -41,24 +50,22 @@ void EventFinder::set_margins(const SlidingMode& mode) {
 // The fraction of the piece at which a wheel's mode ends first, or `limit` if it lasts until then.
 // The end lies before the first stage whose margin is too low, or in a dip between two stages.
 double EventFinder::end_of_wheel(const double* m, double limit) const {
-    constexpr double kRootError = 0.1;         // error of the margin at the root
-    constexpr double kMinDipWidth = 1.0 / 64;  // width of a dip, as a fraction of a piece
     const auto& c = Rule::get().c;
     const Polynomial p(m);
     const auto crossing = [&](double start, double margin, double end, double end_margin) {
         if (margin <= -1) return start;
         return bracketed_root([&](double x) { return p(x) + 1; }, start, margin + 1, end,
-                              end_margin + 1, kRootError);
+                              end_margin + 1, kEvent.root_error);
     };
     double first = limit, start = 0;
     for (int j = 0; j < kStages && start < first; ++j) {
-        if (m[j + 1] < kMarginAtStage)
+        if (m[j + 1] < kEvent.margin_at_stage)
             first = std::min(first, crossing(start, m[j], c[j], m[j + 1]));
         start = c[j];
     }
     BernsteinInterval<kStages> searched{0, 1, p.bernstein()}, dip;
     if (first < 1) searched = searched.split(first);
-    if (searched.first_below(kMarginBetweenStages, kMinDipWidth, dip))
+    if (searched.first_below(kEvent.margin_between_stages, kEvent.min_dip_width, dip))
         first = std::min(first, crossing(dip.start, dip.b[0], dip.end, dip.b[kStages]));
     return first;
 }
@@ -68,7 +75,8 @@ double EventFinder::end_of_wheel(const double* m, double limit) const {
 double EventFinder::end_of_rest(int wheel, double limit) const {
     const double* m = margin_[wheel].value;
     const double between_bounds = 2 * piece_.breakaway_ratio(wheel) / force_eps_;
-    const double end = lower_bound_[wheel] < kMarginAtStage ? end_of_wheel(m, limit) : limit;
+    const double end =
+        lower_bound_[wheel] < kEvent.margin_at_stage ? end_of_wheel(m, limit) : limit;
     if (*std::max_element(m, m + kStages + 1) <= between_bounds / 2) return end;
     Lanes mirrored{};
     for (int j = 0; j <= kStages; ++j) mirrored.value[j] = between_bounds - m[j];
@@ -78,13 +86,11 @@ double EventFinder::end_of_rest(int wheel, double limit) const {
 // The fraction of the piece at which the speed of a sliding wheel has the margin -1, starting from
 // x, the root of the polynomial: over a long piece the polynomial through the stages is inaccurate.
 double EventFinder::refine_stop(int wheel, double sign, double x) {
-    constexpr double kMarginError = 0.5;  // accepted distance from the margin -1
-    constexpr double kMaxMove = 0.01;     // fraction of a piece; farther off the slope differs
     const Polynomial p(margin_[wheel].value);
     for (int i = 0; i < 3; ++i) {
         const double error = sign * piece_.speed(wheel, x) / speed_eps_ + 1;
         const double move = -error / p.slope(x);
-        if (std::fabs(error) < kMarginError || !(std::fabs(move) < kMaxMove)) break;
+        if (std::fabs(error) < kEvent.margin_error || !(std::fabs(move) < kEvent.max_move)) break;
         x = std::clamp(x + move, 0.0, 1.0);
     }
     return x;
@@ -97,7 +103,7 @@ ModeEvent EventFinder::first_event(const SlidingMode& mode, double h) {
     for (int wheel = 0; wheel < wheels_; ++wheel) {
         if (!piece_.law(wheel).has_modes()) continue;
         const bool rests = mode.sign[wheel] == 0;
-        if (!rests && lower_bound_[wheel] >= kMarginAtStage) continue;
+        if (!rests && lower_bound_[wheel] >= kEvent.margin_at_stage) continue;
         const double end = rests ? end_of_rest(wheel, event.fraction)
                                  : end_of_wheel(margin_[wheel].value, event.fraction);
         if (end < event.fraction) event = {end, wheel, mode.sign[wheel] != 0};

@@ -24,6 +24,9 @@ struct PieceLengths {
     double diverged = 1e30;      // tolerances
     double shorter = 0.7;        // of a piece that failed, at most
     double safety = 0.8;         // of the length that the error allows
+    double margins = 20;  // speed that friction undoes in an event step, over the aim of an event
+    int event_steps = 6;  // event steps, each longer, until the wheel has changed
+    double touch = 1e-6;  // of the speed scale, a rad: slower wheels only touch rest
 };
 constexpr PieceLengths kPieces;
 
@@ -83,7 +86,6 @@ SlidingCycle::SlidingCycle(const Robot& robot, const Ground& ground, const Gait&
 // with the square of their length. The same pieces at two tolerances would tell of no error, so on
 // smooth ground the longest one goes with the tolerance, by the order of a piece's end.
 CycleTolerances SlidingCycle::tolerances_of(double tolerance) const {
-    constexpr double kMargins = 20;  // of speed, which friction undoes in an event step
     CycleTolerances aim;
     // each a part of the tolerance, but more than rounding
     aim.speed = std::max(0.01 * tolerance, 1e-12) * scale_[0] / nm_;
@@ -96,8 +98,8 @@ CycleTolerances SlidingCycle::tolerances_of(double tolerance) const {
         aim.longest_piece = std::min(kPieces.longest, kPieces.smooth * parts);
     }
     aim.longest_step = std::clamp(0.03 * std::sqrt(tolerance), 1e-6, 1e-3);
-    aim.shortest_step =
-        std::clamp(kMargins * aim.speed * nm_ * omega_ / breakaway_force_, 1e-7, aim.longest_step);
+    aim.shortest_step = std::clamp(kPieces.margins * aim.speed * nm_ * omega_ / breakaway_force_,
+                                   1e-7, aim.longest_step);
     return aim;
 }
 
@@ -185,7 +187,6 @@ bool SlidingCycle::change_mode(const ModeEvent& event) {
 // in quick succession: two wheels of an almost straight chain may take turns in stopping, for so
 // short a time as cannot stop both.
 bool SlidingCycle::event_step(const ModeEvent& event) {
-    constexpr int kAttempts = 6;
     const double longest = tolerances_.longest_step;
     const CycleState start = state_;
     const double tau = tau_, sign = event.wheel < 0 ? 2 : mode_.sign[event.wheel];
@@ -197,7 +198,7 @@ bool SlidingCycle::event_step(const ModeEvent& event) {
         if (!event_step_.take(state_, tau, dtau, spin_, last_mode_, event, mode_)) return false;
         tau_ = dtau == span() - tau ? span() : tau + dtau;
         const bool changed = event.wheel < 0 || mode_.sign[event.wheel] != sign;
-        if (changed || length >= longest || attempt == kAttempts) {
+        if (changed || length >= longest || attempt == kPieces.event_steps) {
             skipped_ += dtau;
             return true;
         }
@@ -216,9 +217,8 @@ void SlidingCycle::note_changes() {
 }
 
 void SlidingCycle::apply_saltation(const Vec3& rate_after) {
-    constexpr double kTouch = 1e-6;  // of the speed scale, a rad: slower wheels only touch rest
     saltation_.waits = false;
-    if (!(std::fabs(saltation_.slope) > kTouch * scale_[0] / nm_)) return;
+    if (!(std::fabs(saltation_.slope) > kPieces.touch * scale_[0] / nm_)) return;
     const Vec3& gradient = saltation_.gradient;
     auto& rows = state_.by_start;
     Vec3 delay;  // of the event, by the start

@@ -8,12 +8,25 @@ namespace serpenoid {
 
 namespace {
 
-// Newton's steps are fractions of the scales.
-constexpr double kCurvatureSafety = 10;  // factor on the curvature that the last two steps show
-constexpr double kQuadraticStep = 0.1;   // step below which each step is the last one squared
-constexpr double kDivergedStep = 1e12;   // step that counts as divergence
-constexpr int kMaxIterations = 12;       // limit; mostly two or three do: almost linear equations
-constexpr double kBetweenStages = 0.73;  // fraction of a piece farthest from its stages
+// Newton's method on a piece; its steps are fractions of the scales.
+struct NewtonTuning {
+    double curvature_safety = 10;  // factor on the curvature that the last two steps show
+    double quadratic_step = 0.1;   // step below which each step is the last one squared
+    double diverged_step = 1e12;   // step that counts as divergence
+    int max_iterations = 12;       // limit; mostly two or three do: almost linear equations
+};
+constexpr NewtonTuning kNewton;
+
+// Parts of the error of a piece.
+struct ErrorTuning {
+    // Weight of a small error of a force. A large one weighs as its square, times the ratio of
+    // that force to inertia: it shifts the end of sticking, and only this shifts the motion.
+    double force_weight = 0.02;
+    double drift_weight = 0.3;     // mean drift over the drift at between_stages
+    double rate_weight = 0.0299;   // maximum of the integral of prod (1 - x/c_k)
+    double between_stages = 0.73;  // fraction of a piece farthest from its stages
+};
+constexpr ErrorTuning kError;
 
 double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -182,22 +195,23 @@ bool SlidingPiece::solve(const SlidingMode& mode, double tau, double h, const Ve
     p0_ = p0;
     Lanes phase{{tau}};
     for (int j = 0; j < s; ++j) phase.value[j + 1] = tau + h * rule.c[j];
-    phase.value[s + 1] = tau + h * kBetweenStages;
+    phase.value[s + 1] = tau + h * kError.between_stages;
     set_shapes(s + 2, phase);
     for (int c = 0; c < 2 * robot_.n; ++c)
         dry_[c] = law(c).bound() * mode.sign[c] - law(c).thrust();
     sum_wheels(s + 1, mode.sign);
     Y_.fill(p0);
     double step = HUGE_VAL;
-    for (int i = 0; i < kMaxIterations; ++i) {
+    for (int i = 0; i < kNewton.max_iterations; ++i) {
         const double last_step = step;
         if (!newton_step()) return false;
         step = std::max({change_[0] / scale[0], change_[1] / scale[1], change_[2] / scale[2]});
-        if (!(step < kDivergedStep)) return false;
+        if (!(step < kNewton.diverged_step)) return false;
         // The next step would be this one squared, times the curvature. The first step alone does
         // not show the curvature.
-        const double curvature = std::min(kCurvatureSafety * step / (last_step * last_step), 1.0);
-        if (i > 0 && step < kQuadraticStep && curvature * step * step < tolerance) {
+        const double curvature =
+            std::min(kNewton.curvature_safety * step / (last_step * last_step), 1.0);
+        if (i > 0 && step < kNewton.quadratic_step && curvature * step * step < tolerance) {
             u_[0] = velocity(node_[0], p0_);
             for (int j = 0; j < s; ++j) u_[j + 1] = velocity(node_[j + 1], Y_[j]);
             set_stuck_forces();
@@ -270,14 +284,9 @@ Vec3 SlidingPiece::correction(int node, const SlidingMode& mode, const Vec3& u) 
 
 // The largest of three errors. (1) The rate of the polynomial at the start, less the part that
 // forces of stuck wheels balance: a rate wrong by delta makes the polynomial wrong by up to
-// kRateWeight h delta. (2) Those forces, compared with the ones extrapolated from the stages. (3)
+// rate_weight h delta. (2) Those forces, compared with the ones extrapolated from the stages. (3)
 // The motion of stuck wheels between the stages, which the rate does not show.
 double SlidingPiece::error(const Vec3& scale) {
-    // Weight of a small error of a force. A large one weighs as its square, times the ratio of that
-    // force to inertia: it shifts the end of sticking, and only this shifts the motion.
-    constexpr double kForceWeight = 0.02;
-    constexpr double kDriftWeight = 0.3;    // mean drift over the drift at kBetweenStages
-    constexpr double kRateWeight = 0.0299;  // maximum of the integral of prod (1 - x/c_k)
     const Vec3 F = free_rate(node_[0], p0_, u_[0]), slope = rate(0);
     Vec3 Q, g[3]{};
     for (int i = 0; i < 3; ++i) Q[i] = (slope[i] - F[i]) / scale[i];
@@ -289,7 +298,7 @@ double SlidingPiece::error(const Vec3& scale) {
     const Vec3 drift =
         mode_->count == 0
             ? Vec3{}
-            : correction(s + 1, *mode_, velocity(node_[s + 1], momenta(kBetweenStages)));
+            : correction(s + 1, *mode_, velocity(node_[s + 1], momenta(kError.between_stages)));
     double rate_error = 0, force_error = 0, force_ratio = 0, max_drift = 0;
     for (int a = 0; a < mode_->count; ++a) {
         const double bound = law(mode_->stuck[a]).bound() / breakaway_ratio(mode_->stuck[a]);
@@ -302,9 +311,9 @@ double SlidingPiece::error(const Vec3& scale) {
         max_drift = std::max(max_drift, std::fabs(drift[i]) / scale[i]);
     }
     drift_ = max_drift * scale[0] * inverse_nm_;
-    const double force_weight = std::max(kForceWeight, force_ratio * force_error);
-    return std::max(
-        {h_ * rate_error * kRateWeight, force_weight * force_error, kDriftWeight * max_drift});
+    const double force_weight = std::max(kError.force_weight, force_ratio * force_error);
+    return std::max({h_ * rate_error * kError.rate_weight, force_weight * force_error,
+                     kError.drift_weight * max_drift});
 }
 
 Vec3 SlidingPiece::momenta(double x) const {

@@ -9,6 +9,26 @@
 
 namespace serpenoid {
 
+namespace {
+
+struct WorkTuning {
+    double block = 4.5;              // length of a block at a tolerance of 1, rad
+    double min_smooth = 0.08;        // shortest block on smooth ground, rad
+    double min_dry = 0.25;           // shortest block on dry ground, rad
+    double max_block = 0.5;          // rad: a joint's power changes its sign every pi / 2
+    int samples = 5;                 // samples of a block's power
+    double max_extrapolation = 0.1;  // fraction of the part of a piece that is used
+    // Speeds of doubtful wheels, in units of the aim. Of 8000 random states as many are beyond
+    // their claim as with the highest limit for all.
+    double slow = 20;        // a fifth of a tolerance
+    double aim = 1;          // events are no nearer to zero
+    double drifts = 3;       // limit where three wheels rest, over their drift
+    int doubt_samples = 64;  // samples of a slow wheel's speed in a piece
+};
+constexpr WorkTuning kWork;
+
+}  // namespace
+
 WorkMeter::WorkMeter(const Robot& robot, const Gait& gait, SlidingPiece& piece,
                      const EventFinder& events)
     : omega_(gait.omega),
@@ -22,35 +42,31 @@ WorkMeter::WorkMeter(const Robot& robot, const Gait& gait, SlidingPiece& piece,
 // Errors go with the fourth power of a block: as the tolerance, until positive power is known to
 // 1e-6 on smooth ground. On dry ground 1e-4 will do: sticking forces are not known better.
 void WorkMeter::start(bool active, double tolerance, double speed_aim) {
-    constexpr double kBlock = 4.5;       // rad, at a tolerance of 1
-    constexpr double kMinSmooth = 0.08;  // rad
-    constexpr double kMinDry = 0.25;     // rad
-    constexpr double kMaxBlock = 0.5;    // rad: a joint's power changes its sign every pi / 2
     active_ = active;
     speed_aim_ = speed_aim;
-    max_block_ = std::clamp(kBlock * std::pow(tolerance, 0.25),
-                            piece_.has_modes() ? kMinDry : kMinSmooth, kMaxBlock);
+    max_block_ = std::clamp(kWork.block * std::pow(tolerance, 0.25),
+                            piece_.has_modes() ? kWork.min_dry : kWork.min_smooth, kWork.max_block);
     work_ = {std::vector<double>(active ? rate_.size() - 1 : 0)};
     std::fill(fresh_.begin(), fresh_.end(), 0);
 }
 
 // The piece is extrapolated over the event steps before it, if they are short.
 void WorkMeter::add(const SlidingMode& mode, double h, double x, double skipped) {
-    constexpr int kSamples = 5;
-    constexpr double kFarthest = 0.1;  // of the part that is used
     if (!active_) return;
     const double start = -skipped / h;
     const int blocks = static_cast<int>(std::ceil(h * (x - start) / max_block_));
     const double width = (x - start) / blocks;
     const double seconds = h * width / omega_;
     for (int block = 0; block < blocks; ++block) {
-        std::array<double, kSamples> place;
-        for (int q = 0; q < kSamples; ++q)
-            place[q] = std::max(start + width * (block + q / (kSamples - 1.0)), -kFarthest * x);
-        piece_.torques(kSamples, place.data(), torque_.data(), rate_.data());
+        std::array<double, kWork.samples> place;
+        for (int q = 0; q < kWork.samples; ++q)
+            place[q] = std::max(start + width * (block + q / (kWork.samples - 1.0)),
+                                -kWork.max_extrapolation * x);
+        piece_.torques(kWork.samples, place.data(), torque_.data(), rate_.data());
         for (std::size_t i = 0; i < work_.positive.size(); ++i) {
-            std::array<double, kSamples> power;
-            for (int q = 0; q < kSamples; ++q) power[q] = -torque_[i].value[q] * rate_[i].value[q];
+            std::array<double, kWork.samples> power;
+            for (int q = 0; q < kWork.samples; ++q)
+                power[q] = -torque_[i].value[q] * rate_[i].value[q];
             const PositiveMean mean(power.data());
             work_.positive[i] += seconds * mean.value;
             work_.error += seconds * mean.error;
@@ -66,26 +82,22 @@ void WorkMeter::add(const SlidingMode& mode, double h, double x, double skipped)
 // mode is certain. Where three wheels rest, the shape alone moves the others: their speeds are
 // known as well as those that rest are held.
 void WorkMeter::add_doubt(const SlidingMode& mode, double h, double x) {
-    // Speeds in units of the aim. Of 8000 random states as many are beyond their claim as with the
-    // highest limit for all.
-    constexpr double kSlow = 20;   // a fifth of a tolerance
-    constexpr double kAim = 1;     // events are no nearer to zero
-    constexpr double kDrifts = 3;  // of what rests
-    constexpr int kSamples = 64;
-    const double slow =
-        mode.count < 3 ? kSlow : std::clamp(kDrifts * piece_.drift() / speed_aim_, kAim, kSlow);
+    const double slow = mode.count < 3 ? kWork.slow
+                                       : std::clamp(kWork.drifts * piece_.drift() / speed_aim_,
+                                                    kWork.aim, kWork.slow);
     for (int wheel = 0; wheel < piece_.wheels(); ++wheel) {
         if (mode.sign[wheel] == 0 || piece_.law(wheel).bound() == 0) continue;
-        if (events_.lower_bound(wheel) >= kSlow) {
+        if (events_.lower_bound(wheel) >= kWork.slow) {
             fresh_[wheel] = 0;
             continue;
         }
         const StagePolynomial<SlidingPiece::kStages> margin(events_.margins(wheel));
         int count = 0;
-        for (int k = 0; k < kSamples; ++k) count += margin(x * (k + 0.5) / kSamples) < slow;
+        for (int k = 0; k < kWork.doubt_samples; ++k)
+            count += margin(x * (k + 0.5) / kWork.doubt_samples) < slow;
         if (!fresh_[wheel])
-            work_.error += piece_.law(wheel).bound() * lever_ * h * x * count / kSamples;
-        if (margin(x) >= kSlow) fresh_[wheel] = 0;
+            work_.error += piece_.law(wheel).bound() * lever_ * h * x * count / kWork.doubt_samples;
+        if (margin(x) >= kWork.slow) fresh_[wheel] = 0;
     }
 }
 

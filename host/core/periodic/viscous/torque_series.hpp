@@ -48,12 +48,19 @@ class TorqueSeries {
 
     // Estimated error of mean_absolute() by the modes that the mesh does not resolve.
     double truncation_error() const {
-        constexpr double kTailShare = 0.6;  // tail over the last two modes: a geometric series
         const auto last = mode_.end();
-        return kTailShare * std::abs(rate_) * std::sqrt(std::norm(last[-1]) + std::norm(last[-2]));
+        // The tail of a geometric series is 0.6 of its last two modes.
+        return 0.6 * std::abs(rate_) * std::sqrt(std::norm(last[-1]) + std::norm(last[-2]));
     }
 
   private:
+    struct RootTuning {
+        double close_root;  // value near a root, as a fraction of the first mode
+        int parts;          // parts of a step in which a pair of roots may be
+        double root_error;  // relative to the first mode; the work's error is its square
+    };
+    static constexpr RootTuning kRoots{1e-4, 16, 1e-6};
+
     // sum_k modes[k] exp(2 i tau k), by Horner's rule; wave = exp(i tau).
     static Complex sum(const std::vector<Complex>& modes, Complex wave) {
         const Complex squared = wave * wave;
@@ -74,8 +81,6 @@ class TorqueSeries {
     // Find the phases at which the torque changes its sign. Between two nodes the cubic of their
     // values and slopes has at most as many roots as its Bezier points have changes of sign.
     void find_changes() {
-        constexpr double kCloseRoot = 1e-4;  // value near a root, as a fraction of the first mode
-        constexpr int kParts = 16;           // parts of a step in which a pair of roots may be
         for (int k = 0; k < mesh_.nodes; ++k) {
             const double values[] = {value(k), value(k) + third_of_slope(k),
                                      value(k + 1) - third_of_slope(k + 1), value(k + 1)};
@@ -83,8 +88,8 @@ class TorqueSeries {
             for (int i = 0; i < 3; ++i) changes += (values[i] > 0) != (values[i + 1] > 0);
             // If a root is close to a node, a second one may be close to it too.
             const double smallest = std::min(std::fabs(values[0]), std::fabs(values[3]));
-            const bool close = changes > 1 || smallest < kCloseRoot * std::abs(mode_[0]);
-            if (changes > 0) search(k * mesh_.step, values[0], values[3], close ? kParts : 1);
+            const bool close = changes > 1 || smallest < kRoots.close_root * std::abs(mode_[0]);
+            if (changes > 0) search(k * mesh_.step, values[0], values[3], close ? kRoots.parts : 1);
         }
     }
     // A third of the slope at a node times the step, by centred differences of order 4.
@@ -94,8 +99,6 @@ class TorqueSeries {
     // Find the roots between a node and the next from the signs at `parts` phases, denser at both
     // ends.
     void search(double tau, double start, double end, int parts) {
-        constexpr double kRootError =
-            1e-6;  // relative to the first mode; the work's error is its square
         const auto at_phase = [this](double phase) { return torque(phase); };
         double last_phase = tau, last_torque = start;
         for (int i = 1; i <= parts; ++i) {
@@ -104,7 +107,8 @@ class TorqueSeries {
             const double next_torque = i < parts ? torque(phase) : end;
             if ((last_torque > 0) != (next_torque > 0))
                 changes_.push_back(bracketed_root(at_phase, last_phase, last_torque, phase,
-                                                  next_torque, kRootError * std::abs(mode_[0])));
+                                                  next_torque,
+                                                  kRoots.root_error * std::abs(mode_[0])));
             last_phase = phase;
             last_torque = next_torque;
         }
