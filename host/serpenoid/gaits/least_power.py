@@ -19,7 +19,7 @@ from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import Steady, check_ground, steady_gait
 from .limits import GaitLimits, SpeedLosses, speed_losses
-from .search import COSTS, FINE_RTOL, ON_LIMIT, SMOOTH_RTOL, Point, Search, log_rate_step
+from .search import COSTS, FINE_RTOL, ON_LIMIT, SMOOTH_RTOL, Point, Search
 
 PAPER_LIMITS, NO_LOSSES = GaitLimits(), SpeedLosses(math.nan, math.nan)
 
@@ -229,15 +229,10 @@ def power_front(
 def _check_speed(robot: Robot, speed_m_s: float) -> None:
     """Refuse a speed that no snake robot makes, for which a search would take minutes.
 
-    On dry ground states of slower gaits drown in rounding.
+    From a millionth of its body's length a second, as on dry ground states of slower gaits drown in
+    rounding, to a hundred lengths.
     """
-    speed_m_s = check_number("speed_m_s", speed_m_s)
-    low, high = 1e-6 * robot.body_length_m, 100 * robot.body_length_m
-    if not low <= speed_m_s <= high:
-        raise BadInput(
-            f"speed_m_s is {speed_m_s}; it must be at least {low:.3g} and at most {high:.4g}: no "
-            "snake robot makes less than 1e-6 or more than 100 lengths of its body a second"
-        )
+    check_number("speed_m_s", speed_m_s, 1e-6 * robot.body_length_m, 100 * robot.body_length_m)
 
 
 def _check_friction(ground: Ground) -> None:
@@ -264,9 +259,12 @@ def _finished(search: Search, best: Point, gain: float, rtol: float) -> LeastPow
 
     gain: of the search's last restarts, e-folds of cost.
     """
-    gait, state = _at_speed(search, best, rtol)
-    if state is None or best.margin < -ON_LIMIT:
+    assert best.gait is not None
+    tried = search.rates(best.gait, rtol)
+    if not tried or best.margin < -ON_LIMIT:
         return None
+    log_rate, _, state = tried[0]
+    gait = replace(best.gait, omega_rad_s=math.exp(log_rate))
     miss, largest_miss = abs(state.speed_m_s / search.speed_m_s - 1), 1e-2
     if not miss < largest_miss:  # the rough states were wrong
         return None
@@ -294,32 +292,6 @@ def _finished(search: Search, best: Point, gain: float, rtol: float) -> LeastPow
         solved_error_w=numerical,
         losses=losses,
     )
-
-
-def _at_speed(search: Search, best: Point, rtol: float) -> tuple[Gait, Any]:
-    """Return the best shape at the rate of the wanted speed, and its state, by a secant method.
-
-    Where speed falls as the rate rises steps lead away: the nearest of the states is the answer.
-    """
-    assert best.gait is not None
-    gait, x, slope = best.gait, math.log(best.gait.omega_rad_s), 1.0
-    state, previous, nearest = None, None, math.inf
-    # Six states at most, until the speed is the wanted one.
-    for _ in range(6):
-        tried = replace(gait, omega_rad_s=math.exp(x))
-        solved = search.state(tried, rtol)
-        if solved is None or solved.speed_m_s <= 0:
-            break
-        miss = math.log(solved.speed_m_s / search.speed_m_s)
-        if abs(miss) < nearest:
-            gait, state, nearest = tried, solved, abs(miss)
-        if nearest < rtol / 2:
-            break
-        if previous is not None and x != previous[0]:
-            slope = (miss - previous[1]) / (x - previous[0])
-        previous = x, miss
-        x += log_rate_step(miss, slope)
-    return gait, state
 
 
 def _unreachable(search: Search) -> str:

@@ -128,7 +128,7 @@ class GaitLimits:
         return ", ".join(parts)
 
 
-def peak_torque_nm(robot: Robot, ground: Ground, gait: Gait, steps: int = 240) -> float:
+def peak_torque_nm(robot: Robot, ground: Ground, gait: Gait) -> float:
     """Return the largest joint torque of a cycle of the periodic state, exact model, N m."""
     scene = Scene(
         robot,
@@ -136,7 +136,7 @@ def peak_torque_nm(robot: Robot, ground: Ground, gait: Gait, steps: int = 240) -
         gait,
         start="steady",
         method="rk4" if ground.smooth else "nonsmooth",
-        dt_s=gait.period_s / steps,
+        dt_s=gait.period_s / 240,
         duration_s=gait.period_s,
         record=("joints",),
         record_every=1,

@@ -72,16 +72,6 @@ def log_shape(alpha_rad: float, beta_rad: float) -> Array:
     return np.log([alpha_rad, math.tan(beta_rad / 2)])
 
 
-def log_rate_step(miss: float, slope: float) -> float:
-    """Return the secant step in ln rate, at most 0.5, for a miss of ln speed.
-
-    slope: of ln speed over ln rate; from 10, and down to 0.1, 1 is as good a guess.
-    """
-    low, high = 0.1, 10.0
-    step = -miss / (slope if low < slope < high else 1.0)
-    return min(max(step, -0.5), 0.5)
-
-
 def angles_of(shape: Array) -> tuple[float, float]:
     """Return amplitude and phase lag of a shape's coordinates, rad."""
     alpha, tangent = np.exp(shape).tolist()
@@ -182,54 +172,62 @@ class Search:
         share = max(min(shares), 1e-3) if math.isfinite(sum(shares)) else 1e-3
         return math.log(share / self.limits.kept_speed_share)
 
-    def point(self, shape: Array, neighbour: Point, rtol: float) -> Point:
-        """Return a shape at the rate that gives the speed, found from another's.
+    def rates(
+        self, gait: Gait, rtol: float, start: Any = None, chained: bool = False
+    ) -> list[tuple[float, float, Any]]:
+        """Return rates around the wanted speed: ln rate, ln speed ratio and state, nearest first.
 
         A secant method in logarithms, kept between rates that are too slow and too fast where both
-        are known. Its last small miss is put right by a straight line.
+        are known. gait: its rate is where to begin. chained: each state begins at the one before.
         """
-        assert neighbour.gait is not None
-        alpha, beta = angles_of(shape)
-        target = rtol / 10
-        x, slope, state = math.log(neighbour.gait.omega_rad_s), 1.0, neighbour.state
-        tried: list[tuple[float, float, float]] = []  # ln rate, ln speed ratio, ln cost
+        x, slope = math.log(gait.omega_rad_s), 1.0
+        tried: list[tuple[float, float, Any]] = []
         slow, fast, rounding = -math.inf, math.inf, 1e-12
         # The safeguarded secant method takes 12 states at most.
         for _ in range(12):
-            solved = self.state(Gait(alpha, beta, math.exp(x)), rtol, state)
-            if solved is None:
+            state = self.state(replace(gait, omega_rad_s=math.exp(x)), rtol, start)
+            if state is None:
                 break
-            state = solved
-            miss = math.log(max(solved.speed_m_s / self.speed_m_s, 1e-300))
-            tried.append((x, max(miss, -9.0), math.log(max(self.watts(solved), 1e-300))))
-            if abs(miss) < target:
+            start = state if chained else None
+            miss = math.log(max(state.speed_m_s / self.speed_m_s, 1e-4))
+            tried.append((x, miss, state))
+            if abs(miss) < rtol / 10:
                 break
             slow, fast = (max(slow, x), fast) if miss < 0 else (slow, min(fast, x))
-            if len(tried) > 1 and tried[-1][0] != tried[-2][0]:
-                slope = (tried[-1][1] - tried[-2][1]) / (tried[-1][0] - tried[-2][0])
-            x += log_rate_step(tried[-1][1], slope)
+            if len(tried) > 1 and tried[-2][0] != x:
+                slope = (miss - tried[-2][1]) / (x - tried[-2][0])
+            # Beyond these slopes of ln speed over ln rate 1 is as good a guess.
+            low, high = 0.1, 10.0
+            step = -miss / (slope if low < slope < high else 1.0)
+            x += min(max(step, -0.5), 0.5)
             if slow < fast and not slow < x < fast:
                 x = (slow + fast) / 2
             if fast - slow < rounding:
                 break
+        return sorted(tried, key=lambda trial: abs(trial[1]))
+
+    def point(self, shape: Array, neighbour: Point, rtol: float) -> Point:
+        """Return a shape at the rate that gives the speed, found from another's.
+
+        The last small miss is put right by a straight line.
+        """
+        assert neighbour.gait is not None
+        gait = Gait(*angles_of(shape), neighbour.gait.omega_rad_s)
+        tried = self.rates(gait, rtol, neighbour.state, chained=True)
         if not tried:
             return Point(shape)
-        return self._at_speed(shape, tried, state, rtol)
-
-    def _at_speed(
-        self, shape: Array, tried: list[tuple[float, float, float]], state: Any, rtol: float
-    ) -> Point:
-        """Return the point of a shape, from rates that were tried around the wanted speed."""
-        tried = sorted(tried, key=lambda trial: abs(trial[1]))
-        x, miss, cost = tried[0]
-        if len(tried) > 1 and abs(miss) < rtol and tried[1][1] != miss:
-            part = -miss / (tried[1][1] - miss)
-            x, cost = (a + part * (b - a) for a, b in ((x, tried[1][0]), (cost, tried[1][2])))
-        elif abs(miss) < rtol:
-            cost -= 2 * miss  # about a square law
+        cost, *costs = [math.log(max(self.watts(near), 1e-300)) for *_, near in tried[:2]]
+        (x, miss, state), *others = tried
+        if abs(miss) >= rtol:
+            gait = replace(gait, omega_rad_s=math.exp(x))
+            return Point(shape, gait, cost, -abs(miss), state=state)
+        if others and others[0][1] != miss:
+            part = miss / (miss - others[0][1])
+            x += part * (others[0][0] - x)
+            cost += part * (costs[0] - cost)
         else:
-            return Point(shape, Gait(*angles_of(shape), math.exp(x)), cost, -abs(miss), state=state)
-        gait = Gait(*angles_of(shape), math.exp(x))
+            cost -= 2 * miss  # about a square law
+        gait = replace(gait, omega_rad_s=math.exp(x))
         share = self.share_margin(gait, rtol, state)
         angle = float(self.bounds[1][0] - shape[0])
         return Point(shape, gait, cost, self.margin(gait) + ON_LIMIT, share, angle, state)
