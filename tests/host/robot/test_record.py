@@ -12,7 +12,7 @@ import pytest
 from refusals import refused
 from robot.fake_board import GAIT, FakeBoard, FastBoard, nothing
 from robot.patience import LONG_S, clock
-from robot.test_ends import drive
+from robot.test_ends import start_program
 from serpenoid.base.errors import NoAnswer, RecordingFailed
 from serpenoid.robot import RobotBoard
 from serpenoid.robot.recording import recorder
@@ -91,7 +91,7 @@ with RobotBoard(sys.argv[1], record=Path(sys.argv[2])) as robot:
 def test_a_disk_that_fills_up_stops_the_robot_and_keeps_the_data(tmp_path):
     path = tmp_path / "run.txt"
     with FakeBoard() as fake:
-        child = drive(fake.port, FILLING.replace("sys.argv[2]", repr(str(path))))
+        child = start_program(fake.port, FILLING.replace("sys.argv[2]", repr(str(path))))
         assert fake.await_state("hold")
         said = child.communicate("", timeout=LONG_S)[1]
         assert child.returncode == 1
