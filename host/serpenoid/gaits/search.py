@@ -216,15 +216,15 @@ class Search:
         tried = self.rates(gait, rtol, neighbour.state, chained=True)
         if not tried:
             return Point(shape)
-        cost, *costs = [math.log(max(self.watts(near), 1e-300)) for *_, near in tried[:2]]
-        (x, miss, state), *others = tried
+        cost, *next_costs = [math.log(max(self.watts(state), 1e-300)) for *_, state in tried[:2]]
+        (x, miss, state), *next_rates = tried
         if abs(miss) >= rtol:
             gait = replace(gait, omega_rad_s=math.exp(x))
             return Point(shape, gait, cost, -abs(miss), state=state)
-        if others and others[0][1] != miss:
-            part = miss / (miss - others[0][1])
-            x += part * (others[0][0] - x)
-            cost += part * (costs[0] - cost)
+        if next_rates and next_rates[0][1] != miss:
+            part = miss / (miss - next_rates[0][1])
+            x += part * (next_rates[0][0] - x)
+            cost += part * (next_costs[0] - cost)
         else:
             cost -= 2 * miss  # about a square law
         gait = replace(gait, omega_rad_s=math.exp(x))
