@@ -1,7 +1,9 @@
 """If the host program is killed while the robot is bent, the board releases the servos itself."""
 
 from serpenoid.robot.wire.virtual import VirtualLink
-from serpenoid.taking.session_robot import LIMP_S, SessionRobot
+from serpenoid.taking.session_robot import SessionRobot
+
+LIMP_S = 30.0  # silence after which the board releases its servos, set by SessionRobot
 
 
 def test_servos_are_released_after_a_kill():
