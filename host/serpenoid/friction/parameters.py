@@ -14,12 +14,8 @@ Integers = NDArray[np.intp]
 Rows = NDArray[np.bool_]  # Mask of residuals.
 Values = Mapping[str, Floats]  # Parameter name -> K values, (K,).
 
-FRICTIONS: tuple[str, ...] = (
-    "ct",
-    "cn",
-    "ft0",
-    "fn0",
-)  # Of the whole snake, in the order of arrays.
+# Frictions of the whole snake, in the order of arrays.
+FRICTIONS: tuple[str, ...] = ("ct", "cn", "ft0", "fn0")
 # Prior sigma of the inclinometer's zero if a set-up states 0, because an undeclared zero of
 # 0.1 degrees would reduce the coverage of ft0's 95 % interval to 17 %.
 ZERO_SIGMA_RAD = math.radians(0.1)

@@ -1,4 +1,4 @@
-"""Friction of the ground on every link: viscous, dry, along and across, forwards and backwards."""
+"""Friction of the ground on a link: viscous and dry, along and across, forwards and backwards."""
 
 from __future__ import annotations
 
@@ -16,10 +16,11 @@ Friction = float | tuple[float, float]  # one value, or (forwards, backwards)
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """Describe the friction on the centre of one link, along it (t) and across it (n).
+    """The friction on the centre of one link, along it (t) and across it (n).
 
-    The force opposes the motion: f^t = -(ct v^t + ft0 sgn v^t), f^n likewise. sgn(0) is the whole
-    interval [-1, 1]: wheels stick. Eqs. 28-29, and Eqs. 59 and 62 divided by n.
+    The force opposes the motion: f^t = -(ct v^t + ft0 sgn v^t), and f^n likewise. sgn(0) is the
+    interval [-1, 1], so that wheels stick. These are Eqs. 28-29, and Eqs. 59 and 62 over the number
+    of links.
 
     Attributes
     ----------
@@ -35,13 +36,13 @@ class Ground:
     Raises
     ------
     BadInput
-        For values below 0 or not finite.
+        If a value is negative or not finite.
 
     Notes
     -----
-    Ratchet wheels: ct and ft0 may each be a pair (forwards, backwards), for v^t > 0 (towards the
+    For ratchet wheels ct and ft0 may each be a pair (forwards, backwards), for v^t > 0 (towards the
     head) and v^t < 0. At rest the ground then holds with any force from -ft0[0] to +ft0[1]. A pair
-    of equal values is the single one. Wheels that cannot roll back have a large backward value.
+    of equal values becomes a single value. Wheels that cannot roll back have a large second value.
 
     Examples
     --------
@@ -65,7 +66,7 @@ class Ground:
     def whole_body(
         cls, links: int, ct: Friction, cn: float, ft0: Friction = 0.0, fn0: float = 0.0
     ) -> Ground:
-        """Divide the whole snake's ct, cn (N s/m), ft0, fn0 (N) evenly among its links."""
+        """Return the ground on one link from the whole snake's ct, cn (N s/m), ft0 and fn0 (N)."""
         share = 1.0 / check_links(links)
         return cls(ct, cn, ft0, fn0).scaled(share, share, share, share)
 
@@ -92,29 +93,29 @@ class Ground:
     def scaled(
         self, ct: float = 1.0, cn: float = 1.0, ft0: float = 1.0, fn0: float = 1.0
     ) -> Ground:
-        """Return ground with ct, cn, ft0 and fn0 each times a factor, both ways alike."""
+        """Return the ground with each friction times a factor, the same for both directions."""
         along = self.ct_forward * ct, self.ct_backward * ct
         dry_along = self.ft0_forward * ft0, self.ft0_backward * ft0
         return Ground(along, self.cn * cn, dry_along, self.fn0 * fn0)
 
     @property
     def dry(self) -> bool:
-        """Tell whether there is a friction force at rest (Coulomb or Bingham)."""
+        """Return whether there is friction at rest (Coulomb or Bingham)."""
         return max(self.ft0_forward, self.ft0_backward, self.fn0) > 0.0
 
     @property
     def ratchet(self) -> bool:
-        """Tell whether links go forwards otherwise than backwards."""
+        """Return whether friction forwards differs from friction backwards."""
         return isinstance(self.ct, tuple) or isinstance(self.ft0, tuple)
 
     @property
     def smooth(self) -> bool:
-        """Tell whether friction is a smooth function of the speed: viscous, the same both ways."""
+        """Return whether friction is smooth in the speed: viscous, the same in both directions."""
         return not self.dry and not self.ratchet
 
 
 def _check_friction(name: str, value: object) -> Friction:
-    """Return one number, or two that differ, or raise BadInput."""
+    """Return a friction as one number, or two that differ; raises BadInput."""
     if not isinstance(value, (Sequence, np.ndarray)) or np.ndim(value) == 0:
         return check_number(name, value, 0.0)
     ways = "forwards", "backwards"
@@ -127,5 +128,5 @@ def _check_friction(name: str, value: object) -> Friction:
 
 
 def _ways(friction: Friction) -> tuple[float, float]:
-    """Return a friction forwards and backwards."""
+    """Return a friction as a pair: forwards, backwards."""
     return friction if isinstance(friction, tuple) else (friction, friction)

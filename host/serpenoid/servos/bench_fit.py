@@ -1,8 +1,8 @@
-"""The fit of a bench test: whether the model describes the table, and which servos it leaves.
+"""Fit a servo's parameters to a bench test, and test whether the model describes it.
 
-The likeliest parameters come by least squares from several starts, for each rate that a loop of the
-kind may have, and for a continuous loop. Samples about each maximum have the intervals. Where the
-model does not describe the table, the noise is taken as large as what is left.
+MAP estimates come from least squares with several starts, for each control rate that servos of the
+kind may have, and for a continuous loop. The intervals come from samples about each estimate. If
+the model does not describe the table, the noise is increased to the size of the residuals.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import partial
-from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -21,19 +20,19 @@ from ..base.particles import explored
 from ..model.drives import ServoKind
 from .bench_test import Array, BenchModel, BenchTest, Prior, Values
 
-MIN_P_VALUE = 0.01  # a p-value below which the model does not describe the table
-FAR_SIGMAS = 3.0  # standard deviations of the prior: values beyond are named
+MIN_P_VALUE = 0.01  # p-value below which the model does not describe the table.
+FAR_SIGMAS = 3.0  # Distance from the prior, in its sigmas, beyond which a value is unusual.
 
 
 @dataclass(frozen=True)
 class FitTuning:
-    """How a test is fitted; `studies/bench_tests.py` shows what its intervals are worth.
+    """Numbers of the fit; `studies/bench_tests.py` measures the coverage of its intervals.
 
-    drawn_starts: servos that are drawn, and best_starts: from which least squares start.
-    population: samples that move together, at each rate of the loop; moves: with half as many the
-    tails of friction and dead band are too short. samples: of which intervals are made;
-    servo_count: servos in a file. max_sigma_ratio: share of the prior's sigma; a value that keeps
-    more is open.
+    drawn_starts: number of sampled servos; least squares start from the best_starts best of them.
+    population, moves: number of samples that the ensemble sampler moves, and of its moves; with
+    half as many, the tails of friction and dead band are too short. samples: number of samples
+    behind the intervals. servo_count: number of servos in a file. max_sigma_ratio: largest
+    posterior sigma of a determined parameter, over that of the prior.
     """
 
     drawn_starts: int = 1024
@@ -49,9 +48,9 @@ TUNING = FitTuning()
 
 
 class Measured(NamedTuple):
-    """The median of a value, its 95 % interval, and its standard deviation without and with a test.
+    """A parameter's median, its 95 % interval, and its sigma in the prior and with the test.
 
-    Standard deviations are those of the logarithm; of a value that may be 0 or below, its own.
+    Both sigmas are of the logarithm if the parameter is always positive.
     """
 
     value: float
@@ -62,9 +61,11 @@ class Measured(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """Whether the model describes a table: p-value, and the rows where residuals are largest.
+    """The test of the model against a table.
 
-    variance_ratio: the residuals' variance over that of the noise, at least 1.
+    p_value: probability of residuals at least as large if the model holds. worst_s, worst_rad: mean
+    time and mean residual of the worst block of rows. variance_ratio: variance of the residuals
+    over that of the noise, at least 1.
     """
 
     p_value: float
@@ -74,16 +75,16 @@ class Verdict(NamedTuple):
 
     @property
     def describes(self) -> bool:
-        """Tell whether the p-value is large enough."""
+        """Return whether the model describes the table."""
         return self.p_value >= MIN_P_VALUE
 
 
 @dataclass(frozen=True)
 class MeasuredServo:
-    """What a test leaves of a kind of servo.
+    """The servo that a bench test has measured.
 
-    values: by name; outside: names of those far from what is usual for the kind, with by how many
-    of its standard deviations.
+    kind: the kind of servo with samples of the posterior. values: the parameters by name. outside:
+    distance from the prior in its sigmas, of parameters that are unusual for the kind.
     """
 
     kind: ServoKind
@@ -93,7 +94,7 @@ class MeasuredServo:
 
     @property
     def determined(self) -> dict[str, Measured]:
-        """Return what the test determines: values whose sigma is below that of the prior."""
+        """Return the parameters that the test determines, by name."""
         return {
             name: value
             for name, value in self.values.items()
@@ -102,47 +103,47 @@ class MeasuredServo:
 
     @property
     def open(self) -> list[str]:
-        """Return the names of what the test leaves open."""
+        """Return the names of the parameters that the test does not determine."""
         return [name for name in self.values if name not in self.determined]
 
 
-Fit = tuple[BenchModel, list[Maximum]]  # the maxima of its posterior, the highest first
+Fit = tuple[BenchModel, list[Maximum]]  # A model, and the maxima of its posterior in order.
 
 
 def _searched(model: BenchModel, continuous: Fit | None, rng: np.random.Generator) -> Fit:
-    """Return the fit of a model from the best of many servos that are drawn.
+    """Return the fit of a model by least squares from the best of many sampled servos.
 
-    continuous: the fit of a continuous loop, whose zero, gain and delays the drawn ones have. Each
-    step of a sampled loop waits for a sample, up to a period longer or shorter.
+    continuous: the fit of a continuous loop. If it is given, the starts have its zero, gain and
+    delays, the latter with a random wait for the sampled loop's next sample.
     """
-    # Starts are drawn from 1.5 standard deviations of the priors.
+    # The starts scatter by 1.5 standard deviations of the priors.
     starts = 1.5 * rng.normal(size=(TUNING.drawn_starts, model.size))
     first_step = len(model.names)
     starts[:, first_step:] = 0.0
     if continuous is not None:
-        smooth_model, (peak, *_) = continuous
+        continuous_model, (peak, *_) = continuous
         x = peak.x
-        zero, gain, start, delay = map(
-            model.names.index, ("zero_rad", "gain", "start_rad", "delay_s")
-        )
-        starts[:, [zero, gain, start, delay]] = x[[zero, gain, start, delay]]
+        names = "zero_rad", "gain", "start_rad", "delay_s"
+        *shared, delay = map(model.names.index, names)
+        starts[:, [*shared, delay]] = x[[*shared, delay]]
         starts[:, delay] -= 0.5 * model.period_s / model.priors["delay_s"].sigma
         waits_s = model.period_s * rng.uniform(-0.5, 0.5, (len(starts), model.steps))
-        delays_s = smooth_model.step_delays_s(x) + waits_s
+        delays_s = continuous_model.step_delays_s(x) + waits_s
         starts[:, first_step:] = delays_s / model.step_sigma_s
     misfit = np.sum(model.residuals(starts) ** 2, axis=1)
-    return model, maxima(model.residuals, starts[np.argsort(misfit)[: TUNING.best_starts]])
+    best = np.argsort(misfit)[: TUNING.best_starts]
+    return model, maxima(model.residuals, starts[best])
 
 
 def _verdict(
     model: BenchModel, best: Maximum, block_rows: int = 8, min_freedom: int = 5
 ) -> Verdict:
-    """Return whether residuals are as large as the noise, and have no pattern.
+    """Test whether the residuals are as small as the noise, and independent.
 
-    Two tests: the sum of squares over the noise that was stated; and means of neighbouring rows,
-    which scatter as their rows do if errors of rows are independent. The two are independent, so
-    that the smaller one of their p-values p occurs by chance with 1 - (1 - p)^2. block_rows:
-    neighbours; min_freedom: blocks beyond the parameters.
+    One test compares the sum of squares with the stated noise. The other, an analysis of variance,
+    compares means over blocks of rows with the scatter within blocks. The two are independent, so
+    the probability that the smaller p-value is at most p is 1 - (1 - p)^2. block_rows: rows of a
+    block. min_freedom: fewest blocks beyond the parameters for the second test.
     """
     from scipy.special import chdtrc, fdtrc
 
@@ -160,9 +161,9 @@ def _verdict(
         ratio = max(ratio, between)
     if test.sigma_rad is not None or not p_values:
         p_values.append(float(chdtrc(freedom, chi2)))
-    worst = int(np.argmax(np.abs(means)))
+    worst, smallest = int(np.argmax(np.abs(means))), min(*p_values, 1 - 1e-15)
     return Verdict(
-        -math.expm1(len(p_values) * math.log1p(-min(*p_values, 1 - 1e-15))),
+        -math.expm1(len(p_values) * math.log1p(-smallest)),
         float(np.array_split(test.t_s, len(blocks))[worst].mean()),
         float(blocks[worst].mean()) * model.noise_rad,
         ratio,
@@ -170,14 +171,19 @@ def _verdict(
 
 
 def servo_of_test(test: BenchTest, like: ServoKind, *, name: str = "measured") -> MeasuredServo:
-    """Return what a test of one joint leaves of a kind of servo. Raises BadInput."""
+    """Return the servo that a test of one joint has measured.
+
+    like: the kind of servo whose uncertainty is the prior. name: name of the measured kind. Raises
+    BadInput if the kind has no uncertainty.
+    """
     if like.exact or like.drawn:
         raise BadInput(
             f"servo {like.name!r} has no uncertainty to fit; take `hobby`, or a data sheet's"
         )
     rng = np.random.default_rng(0)
     fits = [_searched(BenchModel(test, like, 0.0), None, rng)]
-    for update_hz in sorted({*(like.updates_hz or (like.servo.update_hz,))} - {0.0}):
+    rates_hz = {*(like.updates_hz or (like.servo.update_hz,))}
+    for update_hz in sorted(rates_hz - {0.0}):
         fits.append(_searched(BenchModel(test, like, update_hz), fits[0], rng))
     best_model, best_peaks = max(fits, key=lambda fit: fit[1][0].log_density)
     verdict = _verdict(best_model, best_peaks[0])
@@ -193,10 +199,12 @@ def servo_of_test(test: BenchTest, like: ServoKind, *, name: str = "measured") -
         np.median(x, axis=0).tolist(),
         strict=True,
     )
-    pairs = zip(parts, samples, strict=True)
-    servos = list(chain.from_iterable(model.servos(x, rng) for (model, _), x in pairs))
+    servos = []
+    for (model, _), values in zip(parts, samples, strict=True):
+        servos += model.servos(values, rng)
     drawn = tuple(servos[k] for k in rng.permutation(len(servos))[: TUNING.servo_count])
-    (typical,) = best_model.servos(best_model.values(best_peaks[0].x[None]), rng)
+    estimate = best_model.values(best_peaks[0].x[None])
+    (typical,) = best_model.servos(estimate, rng)
     source = f"a bench test of one joint, from {like.name}"
     return MeasuredServo(
         ServoKind(name, typical, {}, (), source, drawn),
@@ -211,7 +219,7 @@ def servo_of_test(test: BenchTest, like: ServoKind, *, name: str = "measured") -
 
 
 def _sampled(fits: list[Fit], rng: np.random.Generator) -> list[tuple[BenchModel, Array]]:
-    """Return samples (K, P) of each fit that counts, as many as its mass says."""
+    """Return samples (K, P) of the posterior for each control rate, K in proportion to its mass."""
     masses = np.array([max(peak.log_mass for peak in peaks) for _, peaks in fits])
     shares = np.exp(masses - masses.max())
     counts = np.round(TUNING.samples * shares / shares.sum()).astype(int).tolist()
@@ -230,7 +238,7 @@ def _sampled(fits: list[Fit], rng: np.random.Generator) -> list[tuple[BenchModel
 
 
 def _measured(name: str, prior: Prior, samples: list[Values]) -> Measured:
-    """Return a value with its interval, and what was known of it without the test."""
+    """Return a parameter with its interval and sigma, from samples by name for each fit."""
     values = np.concatenate([part[name] for part in samples])
     middle, low, high = np.quantile(values, (0.5, 0.025, 0.975)).tolist()
     spread = np.log(np.abs(values)) if prior.logarithmic else values

@@ -1,4 +1,4 @@
-"""`serpenoid calibrate`: a treadmill session, begun, taken, resumed and corrected."""
+"""The commands `serpenoid calibrate ...`: begin, take, resume and correct a session."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ def calibrate() -> None:
     """Measure friction on a floor or a treadmill: `calibrate new DIR`, then `calibrate DIR`.
 
     With `new --on floor` you push the robot and film how it rolls to a stop. Run `calibrate DIR`
-    again at any time: it continues. Every reading is on the disk before the next is asked for;
-    nothing is ever overwritten. What is mistyped in DIR/session.toml is corrected there.
+    again at any time: it continues. Every reading is on the disk before the next is asked for, and
+    nothing is overwritten. Correct mistyped settings in DIR/session.toml.
 
     `calibrate DIR` takes --port (a robot that bends and steers itself) and --script: see
-    `serpenoid calibrate take --help`. `calibrate status DIR` tells the next step.
+    `serpenoid calibrate take --help`. `calibrate status DIR` shows the next step.
     """
 
 
@@ -42,10 +42,10 @@ calibrate.add_command(push)
 
 @calibrate.command()
 @FOLDER
-@option("--script", "plan.toml that answers instead of a person.", type=EXISTING)
+@option("--script", "Script such as plan.toml, which answers in place of a person.", type=EXISTING)
 @option(
     "--port",
-    "The robot's serial port, to bend and drive it; `virtual` needs none. By hand unless given.",
+    "Serial port of a robot that bends and drives itself, or `virtual`; unless given, by hand.",
 )
 def take(
     folder: Path,
@@ -83,8 +83,8 @@ def _scripted(folder: Path, script: Path) -> None:
 @FOLDER
 @click.argument("kind")
 @click.argument("cells", nargs=-1, metavar="NAME=VALUE...")
-@option("--replaces", "Number of the reading that this redoes.", default=0)
-@option("--comment", "What was odd.", default="")
+@option("--replaces", "Number of the reading that this one replaces.", default=0)
+@option("--comment", "Remark on the reading.", default="")
 def add(
     folder: Path,
     kind: str,
@@ -110,9 +110,9 @@ def add(
 @calibrate.command()
 @FOLDER
 @click.argument("number", type=int)
-@option("--reason", "Why it is not to be used.", default="")
+@option("--reason", "Reason not to use it.", default="")
 def void(folder: Path, number: int, reason: str) -> None:
-    """Mark a reading as not to be used; its line stays."""
+    """Mark a reading as void, so that it is not used; its line stays in the file."""
     with _journal(folder) as journal:
         journal.event("void", number, reason)
     say(f"reading {number} is void")
@@ -122,7 +122,7 @@ def void(folder: Path, number: int, reason: str) -> None:
 @FOLDER
 @AS_JSON
 def status(folder: Path, as_json: bool) -> None:
-    """Tell how far a session is, what was read, and the next step; writes nothing."""
+    """Show a session's progress, its readings and the next step; writes nothing."""
     from ...session.folder import read_session
     from ...show.session import table
     from ...taking.procedure import next_step, progress

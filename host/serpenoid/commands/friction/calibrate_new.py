@@ -1,4 +1,4 @@
-"""`serpenoid calibrate new`: a session's set-up, asked for in the units that people have."""
+"""The command `serpenoid calibrate new`: begin a session and ask for its set-up."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from ..declare import FOLDER, command, flag, number, option
 @click.argument("folder", type=FOLDER)
 @option(
     "--template",
-    "Another session's folder, whose set-up is taken over unasked.",
+    "Another session's folder, whose set-up is copied without questions.",
     type=click.Path(exists=True, path_type=Path),
 )
-@flag("--defaults", "Ask nothing: 2005 robot, a home treadmill.")
+@flag("--defaults", "Ask nothing; take the 2005 robot and a home treadmill.")
 @option("--surface", "What the wheels roll on.")
 @number("--mass-kg", "Mass of the whole robot, as it crawls.")
 @option(
     "--on",
-    "Where: a treadmill, or pushes along a floor.",
+    "Method: stations on a treadmill, or pushes along a floor.",
     choice=["treadmill", "floor"],
     default="treadmill",
 )
-@flag("--simulated", "Say in the session that it is no measurement.")
+@flag("--simulated", "Mark the session as simulated, not measured.")
 def new(
     folder: Path,
     template: Path | None,
@@ -38,7 +38,7 @@ def new(
     on: str,
     **answers: Any,
 ) -> None:
-    """Begin a session: asks for robot, surface and instruments, or takes them from a template."""
+    """Begin a session: ask for robot, surface and instruments, or copy them from a template."""
     import sys
     from dataclasses import replace
 
