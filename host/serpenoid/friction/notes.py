@@ -94,8 +94,7 @@ def check_floor(session: Session, estimate: MapEstimate) -> None:
         relative_error = max(sigma[viscous] * fast, sigma[dry]) / force
         if not relative_error <= OPEN:
             raise BadInput(
-                f"{session.where}: {names} cannot be told from "
-                f"{count_text(len(session.kept_pushes), 'push')}: their error is "
+                f"{session.where}: {names} cannot be told from these pushes: their error is "
                 f"{min(relative_error, 1.0):.0%} of the force or more; take {cure}"
             )
 

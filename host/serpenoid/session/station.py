@@ -100,7 +100,8 @@ class Reading(Observation):
             + (f", turned {math.degrees(self.turned_rad):+.3g}°" if self.turned_rad else "")
         )
         zigzag = " as a zigzag" if self.bend == "zigzag" and self.lambda_rad else ""
-        return f"station, bend {math.degrees(self.lambda_rad):.4g}°{zigzag}", values
+        bend = f"bend {math.degrees(self.lambda_rad):.4g}°" if self.lambda_rad else "straight"
+        return f"station, {bend}{zigzag}", values
 
 
 @dataclass(frozen=True)

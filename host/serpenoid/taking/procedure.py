@@ -49,7 +49,8 @@ def next_step(session: Session, posed_deg: float | None = None) -> Step:
     """
     step = next((step for _, _, step in _parts(session) if step is not None), None)
     if step is None:
-        return Step("done", "done", "nothing of the plan is left to take")
+        fit = f"`serpenoid fit {session.folder or 'DIR'}` tells the friction"
+        return Step("done", "done", f"Nothing of the plan is left to take; {fit}.")
     if step.kind not in ("station", "push"):
         return step
     shown_deg = shown_bend(session, step.lambda_deg)
@@ -110,7 +111,7 @@ def _pose(setup: Setup, bend_deg: float) -> Step:
     floor_words = (
         "On the floor, robot straight: align its links along a straightedge. Room: 2 m of level, "
         "even floor. Film from a tripod, square to the way or from above, all of the way in the "
-        "picture; or lay a tape along it."
+        "picture. Pushes by tape and watch only add to films: alone they leave frictions open."
     )
     return Step(key, "straight", floor_words if setup.plan.on == "floor" else belt_words)
 
@@ -158,14 +159,16 @@ def next_incline_deg(session: Session, bend_deg: float) -> float | None:
     lowest_deg, fastest_m_s = min(tried), max(speeds, default=0.0)
     line = line_of(session, bend_deg)
     step_deg *= 1.0 if line else friction_factor(bend_deg)
-    if min(speeds, default=0.0) > top_m_s / 4 and step_deg < lowest_deg in inclines_deg:
-        return round(lowest_deg - step_deg, 3)
+    slower_deg = lowest_deg - step_deg
+    is_held = slower_deg > 0.0 and (line is None or _speed_on(line, slower_deg) > MIN_SLIP_M_S)
+    if min(speeds, default=0.0) > top_m_s / 4 and is_held and lowest_deg in inclines_deg:
+        return round(slower_deg, 3)
     next_deg, next_m_s = max(tried) + step_deg, fastest_m_s
     if line is not None:
         slope, offset_m_s = line
         sine = (fastest_m_s + top_m_s / 5 - offset_m_s) / slope
         next_deg = max(next_deg, math.degrees(math.asin(min(max(sine, 0.0), 1.0))))
-        next_m_s = slope * math.sin(math.radians(next_deg)) + offset_m_s
+        next_m_s = _speed_on(line, next_deg)
     done_share = 0.85  # share of the top speed that ends a bend, as a station beyond 1 / 0.85 would
     done = max(fastest_m_s, done_share**2 * next_m_s) > done_share * top_m_s
     return None if done or next_deg > MAX_INCLINE_DEG else round(next_deg, 3)
@@ -173,6 +176,11 @@ def next_incline_deg(session: Session, bend_deg: float) -> float | None:
 
 def _station_key(bend_deg: float) -> str:
     return f"station, bend {bend_deg:g}, "
+
+
+def _speed_on(line: tuple[float, float], incline_deg: float) -> float:
+    """Return the belt's speed past the robot, m/s, by a line's slope and offset."""
+    return line[0] * math.sin(math.radians(incline_deg)) + line[1]
 
 
 def _first_incline_deg(session: Session, bend_deg: float) -> float:
@@ -195,7 +203,7 @@ def expected_speed(session: Session, bend_deg: float, incline_deg: float) -> Ran
     line = line_of(session, bend_deg)
     if line is None:
         return None
-    speed_m_s = line[0] * math.sin(math.radians(incline_deg)) + line[1]
+    speed_m_s = max(_speed_on(line, incline_deg), MIN_SLIP_M_S)
     # Four standard deviations of a usual station, and a share of its speed.
     far_m_s = 0.12 + 0.25 * abs(speed_m_s)
     return max(speed_m_s - far_m_s, MIN_SLIP_M_S), speed_m_s + far_m_s

@@ -23,7 +23,6 @@ from ..session.journal import Journal, Listed
 from ..session.settings import Setup
 from .parse_number import typed_cells
 from .simulated import SimulatedPerson, Truth, take_all, wheel_inertia_kg
-from .steps import Step
 
 
 def simulated_person(top: Table, setup: Setup) -> SimulatedPerson:
@@ -40,18 +39,18 @@ def simulated_person(top: Table, setup: Setup) -> SimulatedPerson:
     return SimulatedPerson(setup, Truth(ground, servo=servo, rolling_kg=rolling_kg), seed)
 
 
-def run_script(journal: Journal, path: Path, show_step: Callable[[Step], object]) -> int:
+def run_script(journal: Journal, path: Path, tell: Callable[[str], object]) -> int:
     """Take the remaining readings of a session from a script; return the number of new readings.
 
-    path: the script. show_step: called with each step that a simulated person has done. Raises
-    BadInput, naming file and line.
+    path: the script. tell: called with each step of a simulated person, in words. Raises BadInput,
+    naming file and line.
     """
     top = Table.load(path)
     top.only("reading" if "reading" in top.values else "simulated")
     if "reading" in top.values:
         return _add_listed(journal, top)
     previous = journal.last
-    take_all(journal, simulated_person(top, journal.session.setup), show_step)
+    take_all(journal, simulated_person(top, journal.session.setup), tell)
     return journal.last - previous
 
 

@@ -219,11 +219,11 @@ class SimulatedPerson:
 def take_all(
     record: Journal,
     person: SimulatedPerson,
-    show_step: Callable[[Step], object] = lambda step: None,
+    tell: Callable[[str], object] = lambda text: None,
 ) -> Session:
     """Take every step that is left of a session; return the session. Raises NotConverged.
 
-    show_step: is called with each step when it is done.
+    tell: is called with each step that is done or left out, in words.
     """
     posed_deg: float | None = None
     most_steps = 1000
@@ -234,10 +234,11 @@ def take_all(
         cells = person.answer(step)
         if cells is None:
             record.event("skip", detail=step.key)
+            tell(f"left out: {step.key}")
         else:
             record_step(record, step, cells)
             posed_deg = step.posed_deg
-        show_step(step)
+            tell(f"done: {step.key}")
     raise NotConverged(
         f"{most_steps} steps and no end: does the treadmill's incline rise at all? Look at the "
         "readings with `serpenoid calibrate status`"

@@ -58,7 +58,7 @@ def test_a_floor_with_films_takes_twenty_answers(tmp_path, seed):
     lines += 4 * ["", "10 1"]
     with SessionRobot("virtual:fast") as seat:
         heard, session = talk(folder, *lines, robot=seat)
-    assert heard.endswith("nothing of the plan is left to take\n")
+    assert "Nothing of the plan is left to take; `serpenoid fit" in heard
     assert len(lines) <= 20
     assert len(session.kept_pushes) == 24
     assert len(session.kept_crawls) == 4
@@ -104,7 +104,7 @@ def test_a_treadmill_takes_at_most_ninety_answers(folder, tmp_path):
             lines += [f"{reading.distance_m}"]  # the marks then stay where they are
     with SessionRobot("virtual:fast") as robot:
         heard, again = talk(folder, *lines, robot=robot)
-    assert heard.endswith("nothing of the plan is left to take\n"), heard
+    assert "Nothing of the plan is left to take; `serpenoid fit" in heard, heard
     assert len(again.kept_stations) == len(session.kept_stations)
     assert {run.distance_m for run in again.kept_gait_runs} == {
         session.kept_gait_runs[0].distance_m
@@ -199,4 +199,4 @@ def test_bends_and_gaits_beyond_a_joint_are_said_and_may_be_skipped(floor):
         heard, _ = talk(floor, "", *PUSH, *bent, "", "skip", "", "skip", "skip", robot=seat)
     assert "! the board refuses 'pose" in heard
     assert "! the board refuses 'gait" in heard
-    assert "nothing of the plan is left to take" in heard
+    assert "Nothing of the plan is left to take" in heard

@@ -74,7 +74,7 @@ def _scripted(folder: Path, script: Path) -> None:
 
     with _journal(folder) as journal:
         journal.event("start", detail=f"{PROGRAM}, script {script.name}")
-        added = run_script(journal, script, lambda step: say(f"done: {step.key}", err=True))
+        added = run_script(journal, script, lambda text: say(text, err=True))
         journal.event("end")
         say(f"{count_text(added, 'reading')} added; {journal.session}")
 

@@ -52,7 +52,14 @@ def with_a_person(folder: Path, port: str | Link | None) -> None:
             journal.event("connect", detail=robot.greeting)
             console.say(f"robot: {robot.greeting}")
         film = film_reader(setup.robot_table.tag_side_m)
-        show_fit = lambda session: console.say(_present_fit(session))  # noqa: E731
+        shown = [""]
+
+        def show_fit(session: Session) -> None:
+            """Say what the readings tell by now, unless that was just said."""
+            if (text := _present_fit(session)) != shown[-1]:
+                console.say(text)
+                shown.append(text)
+
         dialogue = Dialogue(journal, console, robot, show_fit, film=film)
         try:
             well = dialogue.run()
