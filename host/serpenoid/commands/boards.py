@@ -14,8 +14,6 @@ import serpenoid as sn
 from ..show.screen import say
 from .declare import OutFile, Values, command, flag, number, option, settings
 from .options import (
-    OFFSET,
-    PLUG,
     busy,
     describe,
     make_gait,
@@ -46,7 +44,9 @@ def ports(as_json: bool) -> None:
 
 @command()
 @option(
-    "--board", "Needed where the USB id does not tell.", choice=["uno", "nano", "nano_old", "mega"]
+    "--board",
+    "Kind of board; needed where the USB id does not tell.",
+    choice=["uno", "nano", "nano_old", "mega"],
 )
 @option("--joints", "How many joints the robot has: its links less one.", default=5)
 @option(
@@ -73,8 +73,11 @@ def flash(board: str | None, port: str | None, joints: int, output: str) -> None
 
 
 @command()
-@number("--listen-s", "How long to listen to the board; 3.", default=3.0)
-@flag("--limp", "Ask whether servos go limp when pulses end, and keep it on the board: it moves.")
+@number("--listen-s", "How long to listen to the board.", default=3.0)
+@flag(
+    "--limp",
+    "Try whether servos go limp when pulses end; keep the answer on the board. It moves.",
+)
 def doctor(port: str | None, listen_s: float, limp: bool, as_json: bool) -> None:
     """Find what keeps the robot from working, and say the fix; nothing moves without --limp.
 
@@ -127,17 +130,14 @@ def monitor(port: str | None) -> None:
     converse(port)
 
 
-DRIVE_SERVOS = 64  # sampled servos for the range of the predicted speed; they take a second
-
-
 @command()
 @option(
     "--duration-s",
-    "How long; until Ctrl-C unless given.",
+    "How long to drive; until Ctrl-C unless given.",
     type=click.FloatRange(0, min_open=True),
 )
 @option("--record", "New file for every line of the run.", type=OutFile())
-@settings(OFFSET, *PLUG)
+@settings("offset", "plug")
 def drive(
     robot: str | None,
     servo: str | None,
@@ -148,10 +148,10 @@ def drive(
     as_json: bool,
     **typed_gait: Any,
 ) -> None:
-    """Drive a gait and watch it; Ctrl-C stops the robot first. Lay it straight before.
+    """Drive a gait and watch it; Ctrl-C stops the robot. Lay the robot straight first.
 
-    With --robot the predicted speed and distance stand beside, with any hobby servo unless --servo
-    says which. `serpenoid view` shows the recording afterwards.
+    With --robot, which has no default here, the predicted speed and distance stand beside, with any
+    hobby servo unless --servo says which. `serpenoid view` shows the recording afterwards.
 
     Exit status 0 at the end of --duration-s, or at Ctrl-C where none was given; 130 at an earlier
     Ctrl-C.
@@ -172,7 +172,7 @@ def drive(
     if snake:
         body = snake.robot, snake.ground, gait
         state = warn_of_two_motions(busy("predicting", lambda _: sn.steady_gait(*body)))
-        predict = partial(expect, snake, state, kind, draws=DRIVE_SERVOS)
+        predict = partial(expect, snake, state, kind, draws=64)  # servos: they take a second
         best = busy("predicting", predict).best
     if best and not as_json:
         say(f"predicted: {best.in_words()}")

@@ -27,7 +27,6 @@ class ResearchOption(click.Option):
 
 
 OPTIONS: dict[str, list[click.Parameter]] = {}  # rows of the table, by the parameter they fill
-ANSWERING = "verbose", "as_json"  # parameters whose options stand last in a command's help
 
 
 class Command(click.Command):
@@ -43,7 +42,8 @@ class Command(click.Command):
         rows = (
             OPTIONS.get(name, []) for name in signature(callback).parameters if name not in names
         )
-        params = sorted([*chain(*rows), *params], key=lambda param: param.name in ANSWERING)
+        answering = "verbose", "as_json"  # parameters whose options stand last in the help
+        params = sorted([*chain(*rows), *params], key=lambda param: param.name in answering)
         super().__init__(*args, callback=callback, params=params, **how)
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -133,12 +133,16 @@ class Setting:
         return self.name, "; ".join(filter(None, (self.words, self.unit, limits, usual)))
 
 
+SETTINGS: dict[str, tuple[Setting, ...]] = {}  # what `--set` takes, by the name of a group
+
+
 class SettingType(click.ParamType):
-    """NAME=VALUE of one of the settings of a table; `help` lists them and ends the command."""
+    """NAME=VALUE of one of the settings of groups; `help` lists them and ends the command."""
 
     name = "setting"
 
-    def __init__(self, *table: Setting) -> None:
+    def __init__(self, *groups: str) -> None:
+        table = chain(*(SETTINGS[group] for group in groups))
         self.known = {setting.name: setting for setting in table}
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
@@ -155,13 +159,13 @@ class SettingType(click.ParamType):
         return name, self.known[name].value(text)
 
 
-def settings(*table: Setting) -> Option:
-    """Return the option `--set`, whose value has what was given by name."""
+def settings(*groups: str) -> Option:
+    """Return the option `--set` for groups of SETTINGS; its value has what was given by name."""
     return option(
         "--set",
         "settings",
-        "A rarer number, one for each --set; `--set help` lists names, units, defaults and limits.",
-        type=SettingType(*table),
+        "Set a rarer number; may be repeated. `--set help` lists names, units, limits, defaults.",
+        type=SettingType(*groups),
         metavar="NAME=VALUE",
         multiple=True,
         callback=lambda _context, _option, pairs: dict(pairs),
@@ -169,9 +173,9 @@ def settings(*table: Setting) -> Option:
     )
 
 
-def chosen(settings: Values, *table: Setting) -> Values:
-    """Return those of some settings that were typed."""
-    names = {setting.name for setting in table}
+def chosen(settings: Values, *groups: str) -> Values:
+    """Return what was typed of some groups of SETTINGS."""
+    names = SettingType(*groups).known
     return {name: value for name, value in settings.items() if name in names}
 
 
@@ -181,10 +185,8 @@ def refuse_unused(settings: Values, why: str, *names: str) -> None:
         raise BadInput(f"--set {unused} would change nothing: {why}")
 
 
-FIGURES = (".png", ".pdf", ".svg")
 FOLDER = click.Path(file_okay=False, path_type=Path)
 EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
-_SESSION = ("session.toml", "readings.csv", "events.csv", "fit.json")
 
 
 class OutFile(click.Path):
@@ -204,7 +206,8 @@ class OutFile(click.Path):
             self.fail(f"{value!r} must end in {' or '.join(self.suffixes)}", param, ctx)
         if not (folder.is_dir() and os.access(folder, os.W_OK)):
             self.fail(f"{str(folder)!r} is no folder that may be written to", param, ctx)
-        if path.name in _SESSION and (folder / "session.toml").exists():
+        files = "session.toml", "readings.csv", "events.csv", "fit.json"
+        if path.name in files and (folder / "session.toml").exists():
             self.fail(f"{value!r} is a session's own; take another name or folder", param, ctx)
         return path
 

@@ -32,7 +32,7 @@ from .video import VIDEO_GROUP
 @option(
     "--out",
     "folder",
-    "Folder for figures and figures' numbers.",
+    "Folder for sessions, figures and the report.",
     type=directory,
     default=Path("demo-out"),
 )

@@ -21,8 +21,8 @@ from ..base.files import write_text
 from ..model.capture_rate import OPTION
 from ..show.screen import say, working
 from .declare import (
-    FIGURES,
     FOLDER,
+    SETTINGS,
     OutFile,
     Setting,
     Values,
@@ -37,36 +37,38 @@ from .declare import (
 
 T = TypeVar("T")
 IDEAL = "ideal"
-AS_JSON = flag("--json", "as_json", "Answer with JSON.")
-CAPTURE_FPS = number(
-    OPTION,
-    "Frames a second that the camera recorded, for slow motion whose file does not state it.",
-)
 
 
 def _typed_gaits(_ctx: click.Context, _option: click.Parameter, gaits: Any) -> list[sn.Gait]:
     return [sn.Gait.degrees(alpha, beta, hertz=hertz) for alpha, beta, hertz in gaits]
 
 
-row("as_json", AS_JSON)
+row("as_json", flag("--json", "as_json", "Answer with JSON."))
 row("verbose", flag("--verbose", "Print errors, margins and other powers too."))
-row("capture_fps", CAPTURE_FPS)
+row(
+    "capture_fps",
+    number(
+        OPTION,
+        "Frames a second that the camera recorded, for slow motion whose file does not state it.",
+    ),
+)
 row("session", click.argument("session", type=FOLDER))
+row("folder", click.argument("folder", type=FOLDER))
 row(
     "robot",
     option(
         "--robot",
-        "Robot and friction: 2005 (the paper's real one, unless given), paper (the one of its "
+        "Robot and its friction: 2005 (the paper's real robot, the default), paper (the one of its "
         "theory), a session's folder, a fit.json, or a scene (.toml).",
         metavar="2005|paper|FILE|SESSION",
     ),
 )
 row(
     "typed_gait",
-    number("--alpha-deg", "Amplitude of the joints."),
-    number("--beta-deg", "Phase lag from joint to joint."),
-    number("--frequency-hz", "Frequency of the gait."),
-    number("--omega-rad-s", "Its angular rate, in place of the frequency."),
+    number("--alpha-deg", "Amplitude of the joints, half of their swing, in degrees."),
+    number("--beta-deg", "Phase lag from joint to joint, in degrees."),
+    number("--frequency-hz", "Cycles of the gait a second."),
+    number("--omega-rad-s", "Angular rate of the gait, in place of its frequency."),
 )
 row(
     "gaits",
@@ -92,7 +94,7 @@ row(
     "formulation",
     option(
         "--formulation",
-        "Exact model (explicit, unless given), or the paper's springs.",
+        "The exact model (explicit, unless given), or the paper's with springs in the joints.",
         choice=FORMULATIONS,
         research=True,
     ),
@@ -105,7 +107,10 @@ row(
         "robot.",
     ),
 )
-row("figure", option("--plot", "figure", "PNG, PDF or SVG to draw.", type=OutFile(*FIGURES)))
+row(
+    "figure",
+    option("--plot", "figure", "Figure to draw.", type=OutFile(".png", ".pdf", ".svg")),
+)
 
 
 def _ratchet_pair(name: str, text: str) -> float | tuple[float, ...]:
@@ -114,15 +119,18 @@ def _ratchet_pair(name: str, text: str) -> float | tuple[float, ...]:
     return numbers[0] if len(numbers) == 1 else numbers
 
 
-ROBOT = (
+SETTINGS["sizes"] = (
     Setting(
         "links",
         "number of links; each keeps its mass and friction unless these are set too",
         limits=Limits(2, 100_000),
         usual="6",
     ),
-    Setting("mass_kg", "mass of the whole robot, as it crawls", "kg", POSITIVE, "0.4536"),
     Setting("link_length_m", "length of one link, joint to joint", "m", POSITIVE, "0.076"),
+)
+SETTINGS["robot"] = (
+    *SETTINGS["sizes"],
+    Setting("mass_kg", "mass of the whole robot, as it crawls", "kg", POSITIVE, "0.4536"),
     Setting(
         "link_inertia_kg_m2",
         "moment of inertia of one link about its centre",
@@ -131,19 +139,30 @@ ROBOT = (
         "a uniform rod's",
     ),
 )
-RATCHET = "ratchet wheels: forwards,backwards"
-FRICTION = (
+SETTINGS["friction"] = (
     Setting(
-        "ct", f"viscous, along the snake; {RATCHET}", "N s/m", NOT_NEGATIVE, "0.084", _ratchet_pair
+        "ct",
+        "viscous friction along the whole snake; ratchet wheels: forwards,backwards",
+        "N s/m",
+        NOT_NEGATIVE,
+        "0.084",
+        _ratchet_pair,
     ),
     Setting("cn", "viscous friction across the whole snake", "N s/m", NOT_NEGATIVE, "1.2"),
-    Setting("ft0", f"dry, along the snake; {RATCHET}", "N", NOT_NEGATIVE, "0.14", _ratchet_pair),
+    Setting(
+        "ft0",
+        "dry friction along the whole snake; ratchet wheels: forwards,backwards",
+        "N",
+        NOT_NEGATIVE,
+        "0.14",
+        _ratchet_pair,
+    ),
     Setting("fn0", "dry friction across the whole snake", "N", NOT_NEGATIVE, "0.27"),
 )
-OFFSET = Setting(
-    "offset_deg", "angle added to every joint, to steer", "deg", Limits(-180, 180), "0"
+SETTINGS["offset"] = (
+    Setting("offset_deg", "angle added to every joint, to steer", "deg", Limits(-180, 180), "0"),
 )
-SPRINGS = (
+SETTINGS["springs"] = (
     Setting(
         "joint_stiffness_n_m", "implicit model: stiffness k of the joints", "N/m", POSITIVE, "1000"
     ),
@@ -151,8 +170,7 @@ SPRINGS = (
         "joint_damping_n_s_m", "implicit model: damping c of the joints", "N s/m", NOT_NEGATIVE, "1"
     ),
 )
-PINNED = "the joints are pinned; give --formulation implicit too"
-PLUG = (
+SETTINGS["plug"] = (
     Setting(
         "volts", "voltage at the servos' plug", "V", Limits(1, 60), "the session's, or 4.8 to 6"
     ),
@@ -164,7 +182,13 @@ PLUG = (
         "the session's, or 20",
     ),
 )
-RTOL = Setting("rtol", "relative accuracy of the speed", usual="1e-6")
+SETTINGS["rtol"] = (Setting("rtol", "relative accuracy of the speed", usual="1e-6"),)
+
+
+def refuse_springs(settings: Values) -> None:
+    """Raise BadInput for settings of springs where the joints are pinned."""
+    why = "the joints are pinned; give --formulation implicit too"
+    refuse_unused(settings, why, "joint_stiffness_n_m", "joint_damping_n_s_m", "gap")
 
 
 def servo_kind(name: str, settings: Values) -> sn.ServoKind:
@@ -317,8 +341,8 @@ def make_snake(name: str | None, settings: Values, base: Snake | None = None) ->
     """
     if name is not None or base is None:
         base = named_snake(name or "2005")
-    body = chosen(settings, *ROBOT)
-    friction = chosen(settings, *FRICTION)
+    body = chosen(settings, "robot")
+    friction = chosen(settings, "friction")
     if not body and not friction:
         return base
     old, ground = base.robot, base.ground
@@ -351,9 +375,6 @@ def session_fit(session: sn.Session) -> sn.FrictionFit:
     return sn.fit_friction(session)
 
 
-MAX_SERVO_LINKS = 20  # Links up to which servos are the default; the time grows as their cube.
-
-
 def take_servo(
     name: str | None, settings: Values, snake: Snake | None = None
 ) -> sn.ServoKind | None:
@@ -364,7 +385,8 @@ def take_servo(
     from ..session.crawls import driving
 
     if name is None:
-        name = IDEAL if snake and snake.robot.links > MAX_SERVO_LINKS else "hobby"
+        max_links = 20  # with servos as the default; the time grows as their cube
+        name = IDEAL if snake and snake.robot.links > max_links else "hobby"
     if name.lower() == IDEAL:
         refuse_unused(settings, "joints are ideal; give --servo NAME", "volts", "frame_ms")
         return None

@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,6 +19,7 @@ from ..base.checks import NOT_NEGATIVE, POSITIVE, Limits
 from ..base.errors import BadInput
 from ..show.screen import say
 from .declare import (
+    SETTINGS,
     OutFile,
     Setting,
     Values,
@@ -28,24 +30,17 @@ from .declare import (
     option,
     parsed_number,
     plain_text,
-    refuse_unused,
     settings,
 )
 from .options import (
-    FRICTION,
     IDEAL,
-    OFFSET,
-    PINNED,
-    PLUG,
-    ROBOT,
-    RTOL,
-    SPRINGS,
     Snake,
     busy,
     describe,
     make_gait,
     make_snake,
     print_result,
+    refuse_springs,
     show_json,
     take_servo,
     warn_of_two_motions,
@@ -56,10 +51,10 @@ if TYPE_CHECKING:
 
 
 @command()
-@settings(*ROBOT, *FRICTION, OFFSET, *PLUG, *SPRINGS, RTOL)
+@settings("robot", "friction", "offset", "plug", "springs", "rtol")
 @flag(
     "--sensitivities",
-    "What 1 % more of seven numbers changes of the speed (ideal joints).",
+    "By how much 1 % more of each of seven numbers changes the speed, with ideal joints.",
     research=True,
 )
 def steady(
@@ -72,16 +67,16 @@ def steady(
     as_json: bool,
     **typed_gait: Any,
 ) -> None:
-    """Find the periodic state of one gait: speed, powers, settling time, losses.
+    """Find the steady motion of one gait: speed, powers, settling time, losses.
 
     The figures are those of joints that follow the gait exactly. Beside them stands the speed with
-    servos: with any hobby servo unless --servo says which, or `ideal`.
+    servos: with any hobby servo unless --servo says which; with `ideal` it is left out.
     """
     from ..show import report
 
     snake = make_snake(robot, settings)
     body = snake.robot, snake.ground, make_gait(settings | typed_gait)
-    springs = chosen(settings, *SPRINGS)
+    springs = chosen(settings, "springs")
     rtol = settings.get("rtol", 1e-6)
     typed = {"gait": describe(body[2])}
     if formulation == "implicit":
@@ -92,7 +87,7 @@ def steady(
             )
         soft = busy("solving", lambda _: sn.steady_springs(*body, rtol=rtol, **springs))
         return print_result(soft, as_json, verbose, typed | snake.notes)
-    refuse_unused(settings, PINNED, *springs)
+    refuse_springs(settings)
     kind = take_servo(servo, settings, snake)
 
     def solved(show_share: Callable[[float], object]) -> tuple[Expected, sn.SpeedLosses]:
@@ -165,8 +160,8 @@ def expect(
     return Expected(state, moved, band)
 
 
-SPAN = "FIRST:LAST:STEP"
 MAX_GAITS = 1_000_000  # largest grid of an answer, whose text takes a gigabyte
+span = partial(option, metavar="FIRST:LAST:STEP")
 
 
 def _span(text: str, name: str) -> list[float]:
@@ -180,23 +175,23 @@ def _span(text: str, name: str) -> list[float]:
         if step > 0 and 1 <= count <= MAX_GAITS:
             return [first + i * step for i in range(count)]
     raise BadInput(
-        f"{name} is {text!r}; it must be one number, or {SPAN} that goes upwards in at most "
-        f"{MAX_GAITS:g} steps, such as 5:75:5"
+        f"{name} is {text!r}; it must be one number, or FIRST:LAST:STEP that goes upwards in at "
+        f"most {MAX_GAITS:g} steps, such as 5:75:5"
     )
 
 
 @command()
-@option("--alpha-deg", f"{SPAN}.", default="5:75:5")
-@option("--beta-deg", f"{SPAN}.", default="20:90:5")
-@option("--frequency-hz", f"{SPAN}.")
-@option("--omega-rad-s", f"{SPAN}, in place of the frequency; 1:20:1 unless given.")
+@span("--alpha-deg", "Amplitudes of the joints, in degrees.", default="5:75:5")
+@span("--beta-deg", "Phase lags from joint to joint, in degrees.", default="20:90:5")
+@span("--frequency-hz", "Cycles of the gaits a second.")
+@span("--omega-rad-s", "Angular rates, in place of frequencies; 1:20:1 unless given.")
 @option(
     "--out",
     "path",
     "CSV (degrees, hertz) or npz (SI units) to write.",
     type=OutFile(".csv", ".npz"),
 )
-@settings(*ROBOT, *FRICTION, *PLUG, RTOL)
+@settings("robot", "friction", "plug", "rtol")
 @option(
     "--scheduler",
     "Solve on the Dask cluster with this address, e.g. tcp://10.0.0.1:8786.",
@@ -215,7 +210,7 @@ def sweep(
     frequency_hz: str | None,
     scheduler: str | None,
 ) -> None:
-    """Solve every gait of a grid (the paper's 4500 unless told): the fastest, the cheapest metre.
+    """Solve all gaits of a grid (the paper's 4500 unless given): the fastest and the cheapest.
 
     Joints follow the gaits exactly. --servo adds the speed with servos and its 95 % band, at half
     a second a gait; powers stay those of ideal joints.
@@ -237,7 +232,7 @@ def sweep(
             f"{count:.3g} gaits are too many for one answer, which holds up to {MAX_GAITS:.3g}; "
             "take larger steps, or sweep one part after the other"
         )
-    how = chosen(settings, RTOL) | {"scheduler": scheduler, "servo": kind}
+    how = chosen(settings, "rtol") | {"scheduler": scheduler, "servo": kind}
     how["alpha_rad"] = [sn.Gait.degrees(x, 0.0, **rates[0]).alpha_rad for x in alphas_deg]
     how["beta_rad"] = [sn.Gait.degrees(0.0, x, **rates[0]).beta_rad for x in betas_deg]
     how["omega_rad_s"] = [sn.Gait.degrees(0.0, 0.0, **rate).omega_rad_s for rate in rates]
@@ -257,10 +252,7 @@ def sweep(
     show_json(states.to_dict() | snake.notes) if as_json else say(states.in_words())
 
 
-# Of a new board, and the share of speed kept with 10 % less amplitude or 20 % less friction across.
-BOARD_LIMITS = {"joint_angle_deg": 90.0, "servo_speed_deg_s": 500.0, "kept_speed_share": 0.8}
-MAX_RATE_SHARE = 1 - 1e-4  # share of the rate that servos follow: a search may end so far off
-LIMITS = (  # The fields of GaitLimits, whose angles are in radians
+SETTINGS["limits"] = (  # The fields of GaitLimits, whose angles are in radians
     Setting("joint_angle_deg", "most a joint may bend", "deg", Limits(0, 180, open_low=True), "90"),
     Setting(
         "servo_speed_deg_s",
@@ -272,18 +264,20 @@ LIMITS = (  # The fields of GaitLimits, whose angles are in radians
     Setting("omega_low_rad_s", "lowest rate of the gait", "rad/s", NOT_NEGATIVE, "the search's"),
     Setting("omega_high_rad_s", "highest rate of the gait", "rad/s", POSITIVE, "the search's"),
 )
-COST = Setting(
-    "cost",
-    "mean power to make least: power, abs_power or positive_power",
-    usual="power",
-    read=plain_text,
+SETTINGS["cost"] = (
+    Setting(
+        "cost",
+        "mean power to make least: power, abs_power or positive_power",
+        usual="power",
+        read=plain_text,
+    ),
 )
 
 
 @command()
 @number("--speed-m-s", "--speed", "Wanted speed.", required=True)
 @flag("--ideal", "The paper's optimum: without the robot's limits.")
-@settings(*ROBOT, *FRICTION, *PLUG, *LIMITS, COST)
+@settings("robot", "friction", "plug", "limits", "cost")
 def optimize(
     robot: str | None,
     speed_m_s: float,
@@ -294,7 +288,7 @@ def optimize(
     verbose: bool,
     as_json: bool,
 ) -> None:
-    """Find the gait of least power at a speed that the robot can be driven with.
+    """Find the gait that reaches a speed with least power, and that the robot can run.
 
     Its joints stay within the board's 90 degrees, and its servos follow it: hobby servos unless
     --servo or a session says which. It keeps 80 % of its speed when the joints' amplitude is 10 %
@@ -309,7 +303,7 @@ def optimize(
     body = snake.robot, snake.ground
     kind = take_servo(servo, settings, snake)
     request: Values = {"speed_m_s": speed_m_s, "formulation": formulation or "explicit"}
-    request |= chosen(settings, COST)
+    request |= chosen(settings, "cost")
 
     def searched(_: object) -> tuple[sn.LeastPower, sn.LeastPower | None]:
         best = sn.least_power_gait(*body, limits=_limits(settings, ideal, kind), **request)
@@ -344,13 +338,16 @@ def _limits(settings: Values, ideal: bool, kind: sn.ServoKind | None) -> sn.Gait
     """
     from ..servos.speed_limit import MAX_NO_LOAD_SHARE, no_load_rad_s
 
-    limits = {} if ideal else BOARD_LIMITS
+    limits = {}
+    if not ideal:  # of a new board; the share of speed is kept with friction or amplitude in doubt
+        limits = {"joint_angle_deg": 90.0, "servo_speed_deg_s": 500.0, "kept_speed_share": 0.8}
     if kind is not None and not ideal:
-        followed_deg_s = MAX_RATE_SHARE * MAX_NO_LOAD_SHARE * math.degrees(no_load_rad_s(kind))
-        limits = limits | {"servo_speed_deg_s": min(limits["servo_speed_deg_s"], followed_deg_s)}
+        # The search may end 1e-4 off the rate that servos follow.
+        followed_deg_s = (1 - 1e-4) * MAX_NO_LOAD_SHARE * math.degrees(no_load_rad_s(kind))
+        limits["servo_speed_deg_s"] = min(limits["servo_speed_deg_s"], followed_deg_s)
     values = {
         name.replace("_deg", "_rad"): math.radians(limit) if "_deg" in name else limit
-        for name, limit in (limits | chosen(settings, *LIMITS)).items()
+        for name, limit in (limits | chosen(settings, "limits")).items()
     }
     return sn.GaitLimits(**values)
 

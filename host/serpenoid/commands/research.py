@@ -57,10 +57,6 @@ def bench(folder: Path, quick: bool) -> None:
         raise SystemExit(1)
 
 
-SPRINGS_RTOL = 1e-3  # Relative tolerance of the implicit model's speed.
-FREQUENCIES_HZ = 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0
-
-
 @command()
 @option(
     "--out", "folder", "Folder for figures and claims.", type=directory, default=Path("figures-out")
@@ -106,13 +102,14 @@ def draw(folder: Path) -> list[Claim]:
     fit = sn.fit_friction(session)
     note = "readings regenerated from the lines that the paper prints: its own are lost"
     fit.plot(folder / "fig15-16.png", session=session, note=note)
-    gaits = [sn.Gait.degrees(70, 75, hertz=hertz) for hertz in FREQUENCIES_HZ]
+    frequencies_hz = 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0
+    gaits = [sn.Gait.degrees(70, 75, hertz=hertz) for hertz in frequencies_hz]
     bands = in_threads(lambda gait: speed_band(fit, gait, servo=None), gaits)
     exact_m_s = np.array([band.speed_m_s for band in bands])
-    implicit = partial(sn.steady_springs, fit.robot, fit.ground, rtol=SPRINGS_RTOL)
+    implicit = partial(sn.steady_springs, fit.robot, fit.ground, rtol=1e-3)
     implicit_m_s = np.array([state.speed_m_s for state in in_threads(implicit, gaits)])
     title = "2005 robot, α = 70°, β = 75°"
-    frequencies_hz = np.array(FREQUENCIES_HZ)
+    frequencies_hz = np.array(frequencies_hz)
     plot.formulations_figure(frequencies_hz, exact_m_s, implicit_m_s, title, folder / "fig17.png")
     words = f"2005 robot: {run_figure.robot_words(study.OF_2005, study.BINGHAM)}"
     cloud, optima = study.cloud_2005(), study.front_2005()

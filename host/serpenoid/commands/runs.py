@@ -18,7 +18,7 @@ from ..base.checks import GAPS, STARTS, Limits
 from ..show.screen import say
 from .declare import (
     EXISTING,
-    FOLDER,
+    SETTINGS,
     OutFile,
     Setting,
     Values,
@@ -28,22 +28,16 @@ from .declare import (
     option,
     parsed_number,
     plain_text,
-    refuse_unused,
     settings,
 )
 from .options import (
-    FRICTION,
     IDEAL,
-    OFFSET,
-    PINNED,
-    PLUG,
-    ROBOT,
-    SPRINGS,
     Snake,
     busy,
     describe,
     make_gait,
     make_snake,
+    refuse_springs,
     show_json,
     take_servo,
 )
@@ -54,10 +48,8 @@ def _list(read: Callable[[str, str], Any]) -> Callable[[str, str], list[Any]]:
     return lambda name, text: [] if text == "none" else [read(name, x) for x in text.split(",")]
 
 
-METHODS = tuple(row["name"] for row in _core.method_table())
-ANGLES = {"incline_deg", "incline_direction_deg"}
 # Fields of Scene, angles in degrees. Torques and locked joints can be given in scene files only.
-SCENE = (
+SETTINGS["scene"] = (
     Setting(
         "incline_direction_deg",
         "direction of uphill, from the x axis",
@@ -100,14 +92,14 @@ SCENE = (
 @option(
     "--incline-deg", "Slope of the ground, uphill along the x axis.", type=click.FloatRange(0, 90)
 )
-@number("--duration-s", "Length of the run; 10 unless given.")
+@number("--duration-s", "Length of the run; 10 s unless given.")
 @option("--out", "csv", "CSV of all links at all recorded times.", type=OutFile(".csv"))
 @option("--save-scene", "saved_path", "Write the scene to this file too.", type=OutFile(".toml"))
-@settings(*ROBOT, *FRICTION, OFFSET, *PLUG, *SPRINGS, *SCENE)
+@settings("robot", "friction", "offset", "plug", "springs", "scene")
 @option(
     "--method",
-    "Method of integration: nonsmooth on dry ground, else rk4, unless given.",
-    choice=METHODS,
+    "Method of integration; unless given, nonsmooth on dry ground, else rk4.",
+    choice=(row["name"] for row in _core.method_table()),
     research=True,
 )
 @number(
@@ -140,7 +132,7 @@ def simulate(
     typed = {name: value for name, value in values.items() if value is not None}
     scene = make_scene(base, snake, servo, typed)
     if scene.formulation == "explicit":
-        refuse_unused(settings, PINNED, "joint_stiffness_n_m", "joint_damping_n_s_m", "gap")
+        refuse_springs(settings)
     if saved_path is not None:
         sn.save_scene(scene, saved_path)
 
@@ -169,7 +161,7 @@ def make_scene(base: sn.Scene | None, snake: Snake, servo: str | None, values: V
     """Return the scene of typed values; base: a scene that they change, if there is one."""
     names = {field.name for field in fields(sn.Scene)}
     changes = {name: value for name, value in values.items() if name in names}
-    for name in ANGLES & values.keys():
+    for name in values.keys() & {"incline_deg", "incline_direction_deg"}:
         changes[name.replace("_deg", "_rad")] = math.radians(values[name])
     kind = take_servo(servo or IDEAL, values, snake)
     if servo is not None:
@@ -188,7 +180,7 @@ def make_scene(base: sn.Scene | None, snake: Snake, servo: str | None, values: V
     "Page to write, a single file; named after the scene or recording unless given.",
     type=OutFile(".html"),
 )
-@settings(*ROBOT, *FRICTION)
+@settings("robot", "friction")
 def view(what: Path, robot: str | None, page: Path | None, settings: Values) -> None:
     """Write a page that animates the snake and shows where its wheels slip and stick.
 
@@ -223,17 +215,14 @@ def view(what: Path, robot: str | None, page: Path | None, settings: Values) -> 
     say(f"wrote {page}; open it in a browser")
 
 
-DATA = Path(_core.__file__).parent  # Folder of the package's examples and session.
-
-
 @command()
-@click.argument("folder", type=FOLDER)
 def examples(folder: Path) -> None:
     """Copy example scripts, example scenes and the 2005 session into a new FOLDER."""
     if folder.exists():
         raise click.UsageError(f"{folder} exists already; name a new folder")
-    ignored = shutil.ignore_patterns("__pycache__")  # pip compiles the scripts that it installs.
-    shutil.copytree(DATA / "examples", folder, ignore=ignored)
-    shutil.copytree(DATA / "calibration_data", folder / "calibration_data", ignore=ignored)
+    installed = Path(_core.__file__).parent
+    ignored = shutil.ignore_patterns("__pycache__")  # pip compiles the scripts that it installs
+    shutil.copytree(installed / "examples", folder, ignore=ignored)
+    shutil.copytree(installed / "calibration_data", folder / "calibration_data", ignore=ignored)
     scene = folder / "limping_on_a_slope.toml"
     say(f"try: serpenoid simulate --scene {scene} --plot run.png")

@@ -24,7 +24,7 @@ from .declare import (
     settings,
 )
 from .group import Commands
-from .options import OFFSET, ROBOT, busy, make_gait, named_snake, show_json
+from .options import busy, make_gait, named_snake, show_json
 
 if TYPE_CHECKING:
     from ..video.result import FilmMeasurement
@@ -38,20 +38,20 @@ def VIDEO_GROUP() -> None:
     """
 
 
-SIZES = tuple(size for size in ROBOT if size.name in ("links", "link_length_m"))
 row(
     "session_folder",
     option(
         "--session",
         "session_folder",
-        "Session whose robot it is; a film becomes a reading of it.",
+        "Session with this robot; a measured film becomes one of its readings.",
         type=FOLDER,
     ),
 )
 row(
     "tag_mm",
     number(
-        "--tag-mm", "Side of a tag's black square; the session's, or of the sheet for such links."
+        "--tag-mm",
+        "Side of a tag's black square; that of the session or of the sheet unless given.",
     ),
 )
 
@@ -64,7 +64,7 @@ def _robot(
 
     setup = read_session(session).setup if session else None
     base = setup.robot if setup else named_snake("2005").robot
-    sizes = chosen(settings, *SIZES)
+    sizes = chosen(settings, "sizes")
     side_m = setup.robot_table.tag_side_m if setup else None
     side_m = side_m if tag_mm is None else POSITIVE.check("tag_mm", tag_mm) / 1e3
     return replace(base, **sizes, link_inertia_kg_m2=None), side_m
@@ -79,7 +79,7 @@ def _robot(
     type=OutFile(".pdf", ".png", ".svg"),
     default=Path("tags.pdf"),
 )
-@settings(*SIZES)
+@settings("sizes")
 def tags(
     session_folder: Path | None, tag_mm: float | None, paper: str, path: Path, settings: Values
 ) -> None:
@@ -98,15 +98,17 @@ def tags(
 @VIDEO_GROUP.command()
 @click.argument("file", type=click.Path(path_type=Path))
 @option(
-    "--recording", "The run's recording (.wire): its gait, and the board's time.", type=EXISTING
+    "--recording",
+    "The run's recording (.wire), which has its gait and the board's time.",
+    type=EXISTING,
 )
 @option(
     "--way",
-    "With --session on a floor: which way along the line of the pushes; else level ground.",
+    "Direction of the crawl along the line of the session's pushes; level ground unless given.",
     choice=["there", "back"],
 )
-@option("--track", "Write time, place, heading, joints.", type=OutFile(".csv"))
-@settings(*SIZES, OFFSET)
+@option("--track", "Table to write: time, position, heading, joint angles.", type=OutFile(".csv"))
+@settings("sizes", "offset")
 def film(
     file: Path,
     session_folder: Path | None,
@@ -134,7 +136,7 @@ def film(
     if way is not None and session_folder is None:
         raise click.UsageError("--way is along the line of a session's pushes; give --session")
     robot, side = _robot(session_folder, tag_mm, settings)
-    typed = chosen(settings, OFFSET) | {n: v for n, v in typed_gait.items() if v is not None}
+    typed = chosen(settings, "offset") | {n: v for n, v in typed_gait.items() if v is not None}
     if recording and typed:
         raise click.UsageError("--recording has the gait; leave the gait's options out")
     gait = recorded_gait(recording, robot.links - 1) if recording else None

@@ -11,16 +11,13 @@ from ...base.checks import count_text
 from ...base.errors import BadInput
 from ...show.screen import say
 from ..declare import EXISTING, option
-from ..declare import FOLDER as FOLDER_TYPE
 from ..group import Commands
-from ..options import AS_JSON, show_json
+from ..options import show_json
 from .calibrate_new import new
 from .calibrate_push import push
 
 if TYPE_CHECKING:
     from ...session.journal import Journal
-
-FOLDER = click.argument("folder", type=FOLDER_TYPE)
 
 
 @click.group(cls=Commands, usual="take")
@@ -41,7 +38,6 @@ calibrate.add_command(push)
 
 
 @calibrate.command()
-@FOLDER
 @option("--script", "Script such as plan.toml, which answers in place of a person.", type=EXISTING)
 @option(
     "--port",
@@ -80,7 +76,6 @@ def _scripted(folder: Path, script: Path) -> None:
 
 
 @calibrate.command()
-@FOLDER
 @click.argument("kind")
 @click.argument("cells", nargs=-1, metavar="NAME=VALUE...")
 @option("--replaces", "Number of the reading that this one replaces.", default=0)
@@ -108,7 +103,6 @@ def add(
 
 
 @calibrate.command()
-@FOLDER
 @click.argument("number", type=int)
 @option("--reason", "Reason not to use it.", default="")
 def void(folder: Path, number: int, reason: str) -> None:
@@ -119,8 +113,6 @@ def void(folder: Path, number: int, reason: str) -> None:
 
 
 @calibrate.command()
-@FOLDER
-@AS_JSON
 def status(folder: Path, as_json: bool) -> None:
     """Show a session's progress, its readings and the next step; writes nothing."""
     from ...session.folder import read_session

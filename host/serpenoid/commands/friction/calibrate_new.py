@@ -10,11 +10,10 @@ import click
 
 from ...base.errors import BadInput
 from ...show.screen import say
-from ..declare import FOLDER, command, flag, number, option
+from ..declare import command, flag, number, option
 
 
 @command()
-@click.argument("folder", type=FOLDER)
 @option(
     "--template",
     "Another session's folder, whose set-up is copied without questions.",

@@ -7,12 +7,10 @@ from pathlib import Path
 import click
 
 from ...show.screen import say
-from ..declare import EXISTING, FOLDER, command, number, option
-from ..options import CAPTURE_FPS
+from ..declare import EXISTING, command, number, option
 
 
 @command()
-@click.argument("folder", type=FOLDER)
 @click.argument("files", nargs=-1, required=True, type=EXISTING)
 @number(
     "--lambda-deg",
@@ -21,17 +19,16 @@ from ..options import CAPTURE_FPS
 )
 @option(
     "--way",
-    "Of the first file's first push; the next files' go in turn.",
+    "Direction of the first file's first push; each next file begins the other way.",
     choice=["there", "back"],
     default="there",
 )
 @option(
     "--unit",
-    "Of lengths in a table that names none.",
+    "Unit of lengths, for a table that names none.",
     choice=["m", "cm", "mm", "in", "ft", "yd"],
 )
-@option("--place", "Of the floor's line, where there is more than one.", default="")
-@CAPTURE_FPS
+@option("--place", "Name of the line on the floor, where there is more than one.", default="")
 def push(
     folder: Path,
     files: tuple[Path, ...],

@@ -8,15 +8,19 @@ import serpenoid as sn
 
 from ...base.checks import NOT_NEGATIVE, Limits
 from ...show.screen import say
-from ..declare import OutFile, Setting, Values, chosen, command, option, settings
-from ..options import PLUG, busy, print_result, session_fit, show_json, take_servo, warn_of_alarms
+from ..declare import SETTINGS, OutFile, Setting, Values, chosen, command, option, settings
+from ..options import busy, print_result, session_fit, show_json, take_servo, warn_of_alarms
 
-SAMPLES = Setting("samples", "frictions drawn from the fit", "", Limits(16, 4096), "64")
-AMPLITUDE = Setting(
-    "amplitude_sigma",
-    "standard deviation of the joints' true over commanded amplitude",
-    limits=NOT_NEGATIVE,
-    usual="0.03",
+SETTINGS["samples"] = (
+    Setting("samples", "samples of friction, drawn from the fit", "", Limits(16, 4096), "64"),
+)
+SETTINGS["amplitude"] = (
+    Setting(
+        "amplitude_sigma",
+        "standard deviation of the joints' true over commanded amplitude",
+        limits=NOT_NEGATIVE,
+        usual="0.03",
+    ),
 )
 
 
@@ -33,7 +37,7 @@ def measured(
 @command()
 @option(
     "--method",
-    "Honest intervals, or the paper's two lines.",
+    "All parameters in one fit, with their intervals, or the paper's two lines.",
     choice=["joint", "naive"],
     default="joint",
 )
@@ -75,7 +79,7 @@ def fit(
 
 
 @command()
-@settings(*PLUG, SAMPLES)
+@settings("plug", "samples")
 def advise(
     session: Path,
     gaits: list[sn.Gait],
@@ -90,7 +94,7 @@ def advise(
     `compare`: any hobby servo may move the joints unless --servo says which.
     """
     loaded, _, kind, notes = measured(session, servo, settings)
-    how = chosen(settings, SAMPLES)
+    how = chosen(settings, "samples")
     advice = busy(
         "advising", lambda share: sn.advise(loaded, gaits, servo=kind, progress=share, **how)
     )
@@ -98,7 +102,7 @@ def advise(
 
 
 @command()
-@settings(*PLUG, SAMPLES, AMPLITUDE)
+@settings("plug", "samples", "amplitude")
 def compare(
     session: Path,
     gaits: list[sn.Gait],
@@ -117,7 +121,7 @@ def compare(
     from ...show import report
 
     loaded, fit, kind, notes = measured(session, servo, settings)
-    how = chosen(settings, SAMPLES, AMPLITUDE) | {"gaits": gaits, "servo": kind}
+    how = chosen(settings, "samples", "amplitude") | {"gaits": gaits, "servo": kind}
     compared = busy("comparing", lambda share: sn.compare(loaded, fit, progress=share, **how))
     if figure is not None:
         compared.plot(figure)
@@ -126,8 +130,13 @@ def compare(
 
 
 @command()
-@option("--out", "page", "Where to; report.html in the session's folder.", type=OutFile(".html"))
-@settings(*PLUG)
+@option(
+    "--out",
+    "page",
+    "Page to write, unless report.html in the session's folder.",
+    type=OutFile(".html"),
+)
+@settings("plug")
 def report(session: Path, servo: str | None, page: Path | None, settings: Values) -> None:
     """Write a session's report: one self-contained HTML file, the same bytes when made again.
 

@@ -14,6 +14,7 @@ from ...base.rows import Result, Row, ranged, two_digits
 from ...show.screen import say
 from ..declare import (
     EXISTING,
+    SETTINGS,
     OutFile,
     Setting,
     Values,
@@ -23,14 +24,12 @@ from ..declare import (
     option,
     settings,
 )
-from ..options import PLUG, busy, print_result, servo_kind
+from ..options import busy, print_result, servo_kind
 
 if TYPE_CHECKING:
     from ...servos.bench_fit import MeasuredServo
 
-COLUMNS = ("t_s", "setpoint_deg", "angle_deg")
-SENT = "sent_s"  # a column that a table may have, too
-BENCH = (
+SETTINGS["bench"] = (
     Setting(
         "sigma_deg",
         "standard deviation of the angles",
@@ -59,7 +58,7 @@ BENCH = (
     type=EXISTING,
     metavar="CSV",
 )
-@option("--like", "What is known before.", default="hobby", metavar="NAME|FILE")
+@option("--like", "Kind of servo that it is.", default="hobby", metavar="NAME|FILE")
 @number(
     "--load",
     "What the joint turns: mass, and distance of its centre from the axis.",
@@ -67,8 +66,8 @@ BENCH = (
     metavar="KG M",
 )
 @flag("--anyway", "Write the file of a test that the model does not describe, with a remark.")
-@option("--out", "path", "File for --servo of other commands.", type=OutFile(".toml"))
-@settings(*PLUG, *BENCH)
+@option("--out", "path", "File to write, for --servo of other commands.", type=OutFile(".toml"))
+@settings("plug", "bench")
 def servo(
     table: Path,
     like: str,
@@ -78,7 +77,7 @@ def servo(
     settings: Values,
     as_json: bool,
 ) -> None:
-    """Measure a servo: whether the model describes a bench test, and which servos would move so.
+    """Measure a servo by a bench test of one joint, and tell whether the model describes it.
 
     A joint without load shows speed, loop, rotor and gear, the last three relative to the torque. A
     load that hangs shows the torque.
@@ -92,7 +91,8 @@ def servo(
 
     kind = servo_kind(like, settings)
     sigma_deg, level = settings.get("sigma_deg"), settings.get("axis") != "upright"
-    t, setpoint, angle, *sent = number_columns(table, COLUMNS, (SENT,)).values()
+    columns = number_columns(table, ("t_s", "setpoint_deg", "angle_deg"), ("sent_s",))
+    t, setpoint, angle, *sent = columns.values()
     with located(str(table)):
         test = BenchTest(
             np.array(t),
