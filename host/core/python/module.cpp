@@ -161,7 +161,6 @@ nb::list method_table() {
     for (const MethodKind& k : kMethods) {
         nb::dict row;
         row["name"] = k.name;
-        row["order"] = k.order;
         row["formulations"] = k.formulations;
         row["adaptive"] = k.adaptive;
         row["laws"] = k.laws;

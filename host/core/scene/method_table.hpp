@@ -1,4 +1,4 @@
-// Every method of runs in time: which scenes it runs, its order.
+// Every method of runs in time: which scenes it runs.
 //
 // The one registry. Python reads it (simulation/scene.py), and refuses with it what a method does
 // not run; run/simulation.cpp has how each is made.
@@ -12,7 +12,6 @@ namespace serpenoid {
 // Lists are words (host/serpenoid/model/checks.py) with a blank between them.
 struct MethodKind {
     const char* name;
-    int order;  // of convergence at recorded times, for smooth motion
     const char* formulations = "explicit implicit";
     const char* adaptive = "";  // formulations in which it picks its steps; in the others dt_s
     const char* laws = "viscous dry";
@@ -24,20 +23,15 @@ struct MethodKind {
 };
 
 inline constexpr MethodKind kMethods[] = {
-    {.name = "rk4", .order = 4},
-    {.name = "paper", .order = 1, .formulations = "implicit", .holds_dampers = true},
-    {.name = "dop853", .order = 8, .adaptive = "explicit implicit", .laws = "viscous"},
+    {.name = "rk4"},
+    {.name = "paper", .formulations = "implicit", .holds_dampers = true},
+    {.name = "dop853", .adaptive = "explicit implicit", .laws = "viscous"},
     {.name = "radau",
-     .order = 5,
      .formulations = "implicit",
      .adaptive = "implicit",
      .laws = "viscous",
      .faults = false},
-    {.name = "nonsmooth",
-     .order = 2,
-     .adaptive = "explicit",
-     .laws = "viscous dry",
-     .makes_friction = true},
+    {.name = "nonsmooth", .adaptive = "explicit", .laws = "viscous dry", .makes_friction = true},
 };
 
 inline const MethodKind& method_kind(std::string_view name) {

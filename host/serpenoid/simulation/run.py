@@ -162,7 +162,34 @@ class Run(Plottable):
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """Return what somebody who uses this run must know; costs what error_estimate costs."""
-        return warnings_of(self.scene, self.error_estimate)
+        scene, error = self.scene, self.error_estimate
+        steps, size = error.integration, error.integration.size(scene.robot.body_length_m)
+        percent = 100 * abs(steps.mean_speed)
+        springs_percent = 100 * error.modelling.mean_speed if error.modelling else 0.0
+        stiffness_n_m, exact = scene.joint_stiffness_n_m, "formulation 'explicit'"
+        finer = "take a smaller " + ("tolerance" if scene.adaptive else "dt_s")
+        model = f" with {exact}" if objection("nonsmooth", scene) else ""
+        warnings = {
+            "the error estimate is no bound: finer runs disagree as much among themselves as with "
+            f"this one; believe it up to t = {error.believed_s:.3g} s, or {finer}": (
+                not error.settled
+            ),
+            f"the springs (k = {stiffness_n_m:g} N/m) change the mean speed by "
+            f"{springs_percent:+.2g} %; the error falls as 1/k: take k = "
+            f"{stiffness_n_m * abs(springs_percent):.1g} N/m for 1 %, or {exact}": (
+                abs(springs_percent) > 1
+            ),
+            f"the time steps may change the mean speed by {percent:.2g} %; {finer}": (
+                1 < percent < math.inf
+            ),
+            f"the time steps may put links off by {steps.position_m:.2g} m and "
+            f"{steps.angle_rad:.2g} rad; {finer}": 1 < 10 * size < math.inf and not percent > 1,
+            f"method {scene.method!r} knows nothing of sticking: at rest its wheels chatter, and "
+            f"joint torques may be wrong by a third at any step; take method 'nonsmooth'{model}": (
+                chatters(scene)
+            ),
+        }
+        return tuple(text for text, holds in warnings.items() if holds)
 
     @property
     def centre_m(self) -> Array:
@@ -282,43 +309,6 @@ def difference(
     beyond = np.flatnonzero(np.maximum(position / body_m, angle) > agreed_size)
     believed_s = t_s[max(beyond[0] - 1, 0)] if beyond.size else t_s[-1]
     return Difference(largest_m, largest_rad, factor * speed, energy), float(believed_s)
-
-
-def warnings_of(
-    scene: Scene, error: RunError, speed_share: float = 0.01, size_limit: float = 0.1
-) -> tuple[str, ...]:
-    """Return what somebody who uses a run of a scene with such an error must know.
-
-    speed_share: relative error of the mean speed that is named; size_limit: the error of places
-    that is, in body lengths and rad.
-    """
-    finer = "take a smaller " + ("tolerance" if scene.adaptive else "dt_s")
-    steps, size = error.integration, error.integration.size(scene.robot.body_length_m)
-    spring_shift = error.modelling.mean_speed if error.modelling else 0.0
-    shift = abs(steps.mean_speed)
-    stiffness_n_m, exact = scene.joint_stiffness_n_m, "formulation 'explicit'"
-    springs = f"the springs (k = {stiffness_n_m:g} N/m)"
-    model = f" with {exact}" if objection("nonsmooth", scene) else ""
-    warnings = {
-        "the error estimate is no bound: finer runs disagree as much among themselves as with "
-        f"this one; believe it up to t = {error.believed_s:.3g} s, or {finer}": not error.settled,
-        f"{springs} change the mean speed by {100 * spring_shift:+.2g} %; the error falls as 1/k: "
-        f"take k = {100 * stiffness_n_m * abs(spring_shift):.1g} N/m for 1 %, or {exact}": (
-            abs(spring_shift) > speed_share
-        ),
-        f"the time steps may change the mean speed by {100 * shift:.2g} %; {finer}": (
-            speed_share < shift < math.inf
-        ),
-        f"the time steps may put links off by {steps.position_m:.2g} m and "
-        f"{steps.angle_rad:.2g} rad; {finer}": (
-            size_limit < size < math.inf and not shift > speed_share
-        ),
-        f"method {scene.method!r} knows nothing of sticking: at rest its wheels chatter, and "
-        f"joint torques may be wrong by a third at any step; take method 'nonsmooth'{model}": (
-            chatters(scene)
-        ),
-    }
-    return tuple(text for text, holds in warnings.items() if holds)
 
 
 def chatters(scene: Scene) -> bool:

@@ -56,12 +56,11 @@ _FIRMWARE_LIMITS = {
 class MethodKind:
     """Say which scenes a method runs; a row of host/core/scene/method_table.hpp.
 
-    order: of convergence at recorded times, for smooth motion. adaptive: formulations in which it
+    adaptive: formulations in which it
     takes steps of its own to scene.tolerance; in the others steps of dt_s. faults: whether it runs
     with limp or locked joints. Several words have blanks between them.
     """
 
-    order: int
     formulations: str
     adaptive: str
     laws: str
@@ -237,14 +236,13 @@ class Scene:
             raise BadInput("the firmware's gait has no joint_gain or joint_shift_rad; leave them")
 
     def _check_faults(self) -> None:
-        for name, kind in (("limp", Collection), ("locked", Mapping)):
-            numbers = getattr(self, name)
-            if not isinstance(numbers, kind):
-                raise BadInput(
-                    f"{name} is {numbers!r}; it must list joints, from 1 at the tail: limp (2,), "
-                    "or locked {2: 0.0} with the angle"
-                )
-            for number in numbers:
+        if not isinstance(self.limp, Collection) or not isinstance(self.locked, Mapping):
+            raise BadInput(
+                f"limp is {self.limp!r}, locked is {self.locked!r}; joints count from 1 at the "
+                "tail: limp (2,), or locked {2: 0.0} with the angle, rad"
+            )
+        for name in ("limp", "locked"):
+            for number in getattr(self, name):
                 check_whole(f"a joint of {name}", number, 1, self.robot.links - 1)
         if doubly := set(self.limp) & set(self.locked):
             raise BadInput(f"joint {min(doubly)} is both limp and locked; choose one")

@@ -132,12 +132,12 @@ def _explicit_start(scene: Scene) -> LinkState:
         spin += inertia_kg_m2 * bent.omega_rad_s.sum()
         whole_kg_m2 = robot.links * inertia_kg_m2 + mass_kg * (x_m @ x_m + y_m @ y_m)
         ahead_m_s, left_m_s, turn_rad_s = 0.0, 0.0, -spin / whole_kg_m2
-    return with_motion(
+    return _with_motion(
         bent, ahead_m_s - bent.vx_m_s.mean(), left_m_s - bent.vy_m_s.mean(), turn_rad_s
     )
 
 
-def with_motion(
+def _with_motion(
     state: LinkState, ahead_m_s: float, left_m_s: float, turn_rad_s: float
 ) -> LinkState:
     """Return a state with a motion added that is the same for all links: along x, y, and a turn."""
