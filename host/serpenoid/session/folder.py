@@ -59,7 +59,6 @@ READING_COLUMNS = (
 )
 TRACK_WORDS = ("track", "track_sha256")  # words of a kind with a track, in the column `more`
 DOUBTFUL = "doubtful"  # word of a reading that is void from its first line on
-LISTED = "listed"  # word of a reading that came from a list: a hash of the list up to it
 LINKS = "links"  # links, as session.toml said when the reading was taken
 Row = Mapping[str, str]
 TORN = "#torn"
@@ -85,7 +84,7 @@ def reading_row(name: str, cells: Cells, plan: Plan | None = None) -> dict[str, 
     planned = {"bend": plan.bend} if plan is not None and "bend" in fields else {}
     row, more = dict.fromkeys(READING_COLUMNS, "") | {"kind": kind.kind}, []
     for column, value in (planned | dict(cells)).items():
-        if column not in (*fields, LISTED, LINKS, DOUBTFUL):
+        if column not in (*fields, LINKS, DOUBTFUL):
             columns = ", ".join([*fields, *([PLACES] if kind.columns == TRACK else [])])
             raise BadInput(f"unknown column {column!r}; a reading of kind {name} has {columns}")
         text = value if isinstance(value, str) else f"{value:.10g}"
@@ -102,6 +101,14 @@ def reading_row(name: str, cells: Cells, plan: Plan | None = None) -> dict[str, 
 def words_of(row: Row) -> dict[str, str]:
     """Return what the column `more` says, name -> text."""
     return {name: text for name, _, text in (w.partition("=") for w in row["more"].split())}
+
+
+def content(row: Row) -> frozenset[tuple[str, str]]:
+    """Return what a row says of its reading, without when and where it was kept."""
+    omitted = {"reading", "time_utc", "setup", "replaces", "comment", "more", "where", "track"}
+    omitted |= {LINKS, "listed"}  # the second of older programs
+    cells = {**row, **words_of(row)}
+    return frozenset(cell for cell in cells.items() if cell[1] and cell[0] not in omitted)
 
 
 def make_reading(row: Row, common: Mapping[str, Any]) -> Any:

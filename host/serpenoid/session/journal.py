@@ -9,10 +9,8 @@ from __future__ import annotations
 
 import csv
 import errno
-import hashlib
 import io
 import os
-from collections.abc import Mapping, Sequence
 from datetime import datetime, timezone
 from importlib.metadata import version
 from io import FileIO
@@ -25,7 +23,6 @@ from .declaration import Cells
 from .folder import (
     EVENT_COLUMNS,
     LINKS,
-    LISTED,
     ON_READINGS,
     READING_COLUMNS,
     TORN,
@@ -37,14 +34,12 @@ from .folder import (
     read_session,
     reading_row,
     reading_rows,
-    words_of,
 )
 from .session import Session
 from .settings import changes
 from .track import PLACES, Samples, Track, typed_track
 
 PROGRAM = f"serpenoid {version('serpenoid')}"  # its name in files
-Listed = tuple[str, Cells, str]  # kind, cells and comment
 
 
 def utc_now() -> str:
@@ -103,42 +98,13 @@ class Journal:
         if replaces:
             self._check_number(replaces)
         number = self.last + 1
-        row = self._row(number, kind, cells, comment, samples) | {"replaces": str(replaces or "")}
-        self._append("readings.csv", READING_COLUMNS, [row])
-        return number
-
-    def add_once(self, listed: Sequence[Listed]) -> int:
-        """Write those of a list that are not there yet, all at once; return how many.
-
-        Each row holds a hash of the list up to it. So a list that was cut short by a kill is gone
-        on with, one that has grown adds its new end, and nothing is there twice.
-        """
-        marks = {words_of(row).get(LISTED, "") for row in self.rows.values()}
-        digest, rows = hashlib.sha256(), list[Row]()
-        for kind, cells, comment in listed:
-            digest.update(repr((kind, sorted(cells.items()), comment)).encode())
-            mark = digest.hexdigest()[:16]
-            if mark not in marks:
-                number = self.last + len(rows) + 1
-                rows.append(self._row(number, kind, {**cells, LISTED: mark}, comment))
-        if rows:
-            self._append("readings.csv", READING_COLUMNS, rows)
-        return len(rows)
-
-    def _row(
-        self, number: int, kind: str, cells: Cells, comment: str, samples: Samples | None = None
-    ) -> dict[str, str]:
-        """Return the row of a reading, whose track is on the disk then; raises BadInput."""
         row, track = self.check(kind, cells, samples)
         if track is not None:
             words = track.write(self.folder, number), track.sha256
             row["more"] += "".join(map(" {}={}".format, TRACK_WORDS, words))
-        return row | {
-            "reading": str(number),
-            "time_utc": utc_now(),
-            "setup": "1",
-            "comment": comment,
-        }
+        row |= {"reading": str(number), "time_utc": utc_now(), "setup": "1", "comment": comment}
+        self._append("readings.csv", READING_COLUMNS, row | {"replaces": str(replaces or "")})
+        return number
 
     def check(
         self, kind: str, cells: Cells, samples: Samples | None = None
@@ -173,7 +139,7 @@ class Journal:
         if event in ON_READINGS:
             self._check_number(reading)
         row = {"time_utc": utc_now(), "event": event, "reading": str(reading or "")}
-        self._append("events.csv", EVENT_COLUMNS, [row | {"detail": detail}])
+        self._append("events.csv", EVENT_COLUMNS, row | {"detail": detail})
 
     def read_again(self) -> list[str]:
         """Read the files again; return what somebody changed in session.toml, a line a setting."""
@@ -204,13 +170,10 @@ class Journal:
                 "there room on its disk?"
             ) from error
 
-    def _append(
-        self, name: str, columns: tuple[str, ...], rows: Sequence[Mapping[str, str]]
-    ) -> None:
+    def _append(self, name: str, columns: tuple[str, ...], row: Row) -> None:
         if not self._lock:
             raise BadInput("the session is not open; use it inside `with Journal(folder)`")
-        lines = (csv_line([row.get(column, "") for column in columns]) for row in rows)
-        append_line(self.folder / name, "".join(lines))
+        append_line(self.folder / name, csv_line([row.get(column, "") for column in columns]))
         self._read()
 
 

@@ -157,9 +157,7 @@ def template_setup(path: str | Path | None, name: str) -> Setup:
         return proposed
     template = read_session(path).setup
     tools = replace(template.instruments, incline_zero_sigma_deg=ASSUMED_ZERO_SIGMA_DEG)
-    plan = replace(template.plan, gaits=template.plan.gaits or proposed.plan.gaits)
-    body, laboratory = template.robot_table, template.laboratory
-    return Setup(name, proposed.provenance, body, laboratory, tools, plan)
+    return replace(template, name=name, provenance=proposed.provenance, instruments=tools)
 
 
 def create_session(folder: str | Path, setup: Setup) -> Path:

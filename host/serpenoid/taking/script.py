@@ -11,15 +11,18 @@ ct = 0.084   # whole snake        lambda_deg = 0.0
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from ..base.errors import BadInput
 from ..base.toml_table import Table, located
 from ..model.ground import Ground
 from ..servos.catalogue import HOBBY
 from ..session.crawls import driving
-from ..session.journal import Journal, Listed
+from ..session.folder import TRACK_WORDS, content
+from ..session.journal import Journal
 from ..session.settings import Setup
 from .parse_number import typed_cells
 from .simulated import SimulatedPerson, Truth, take_all, wheel_inertia_kg
@@ -55,16 +58,21 @@ def run_script(journal: Journal, path: Path, tell: Callable[[str], object]) -> i
 
 
 def _add_listed(journal: Journal, top: Table) -> int:
-    """Add the readings of a list that an earlier run has not added; return how many these are."""
+    """Add the readings of a list that the session has not got; return how many these are."""
     listed = top.values["reading"]
     if not isinstance(listed, list) or not all(isinstance(row, dict) for row in listed):
         raise BadInput(f"{top.where('reading')}: give readings as [[reading]] tables")
-    readings = list[Listed]()
-    for number, row in enumerate(listed, 1):
-        cells = dict(row)
+    present, readings = Counter(map(content, journal.rows.values())), list[Any]()
+    for number, table in enumerate(listed, 1):
+        cells = dict(table)
         kind, comment = str(cells.pop("kind", "station")), str(cells.pop("comment", ""))
         with located(f"{top.path}: reading {number}"):
             cells = typed_cells(kind, cells, journal.session.setup)
-            journal.check(kind, cells)
-        readings.append((kind, cells, comment))
-    return journal.add_once(readings)
+            row, track = journal.check(kind, cells)
+        key = content(row | ({TRACK_WORDS[1]: track.sha256} if track else {}))
+        present[key] -= 1
+        if present[key] < 0:
+            readings.append((kind, cells, comment))
+    for kind, cells, comment in readings:
+        journal.add(kind, cells, comment=comment)
+    return len(readings)
