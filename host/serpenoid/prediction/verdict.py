@@ -21,6 +21,7 @@ SIMULATED = 1024  # speeds with measuring errors, among which the measured ones 
 FRICTION_FACTORS = np.geomspace(0.4, 2.5, 9)
 AMPLITUDE_FACTORS = np.linspace(0.5, 1.3, 9)
 TRIED = 97  # factors between, whose speeds are interpolated
+MIN_SPEED_M_S = 1e-6  # least speed whose logarithm is taken
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,7 @@ class Predicted:
         log_volume = np.linalg.slogdet(covariance)[1]
         differences = (speeds - (shares * centre)[:, None]) @ root  # (slopes, K, gaits)
         log = -0.5 * (np.sum(differences**2, axis=2).T + log_volume)
+        log += np.log(np.maximum(speeds, MIN_SPEED_M_S)).sum(axis=1, keepdims=True)
         if own_slope is not None:
             servos = len(self.servo_shares)
             same = np.arange(len(shares))[None] % servos == own_slope[:, None] % servos
