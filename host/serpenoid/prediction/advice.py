@@ -24,14 +24,12 @@ from ..servos.speed_limit import too_fast_text
 from ..session.crawls import as_run, crawls_by_command, driving, same_command
 from ..session.session import Session
 from .band import predict
-from .next_readings import NextReading, candidates
+from .next_readings import MINUTES, NextReading, candidates
 from .speeds import SAMPLES, Progress, Samples, draw_samples
 
 MIN_REDUCTION = 0.1  # Relative reduction of the band that makes a reading worth its time.
 # Share of the servos' contribution to the band that remains after a bench test of one joint.
 TESTED_SERVO_SHARE = 0.5
-SERVO_TEST_MINUTES, FILM_MINUTES = 30.0, 10.0  # Time that a bench test, and a film, takes a person.
-TABLE_ROWS = 5
 
 
 @dataclass(frozen=True)
@@ -98,7 +96,7 @@ class Advice(Result):
             return [], []
         cells = [
             [reading.words, f"{reading.minutes:.0f}", f"±{reading.band:.1%}"]
-            for reading in self.readings[:TABLE_ROWS]
+            for reading in self.readings[:5]
         ]
         return ["reading", "minutes", "speed then known to"], cells
 
@@ -200,11 +198,11 @@ def advise(
         by_joints = np.minimum(by_joints, complete)
         servo_variance = TESTED_SERVO_SHARE**2 * (complete**2 - by_joints**2)
         band = float(np.sqrt(by_joints**2 + servo_variance).mean())
-        readings.append(NextReading("servo", words, SERVO_TEST_MINUTES, band))
+        readings.append(NextReading("servo", words, MINUTES.servo_test, band))
     by_film = any(push.source == "film" for push in session.kept_pushes)
     if by_film or session.kept_films or session.setup.robot_table.tag_side_m:
         words = "a film of the crawling robot (`serpenoid video`)"
-        minutes = FILM_MINUTES * len(feasible_gaits)
+        minutes = MINUTES.film * len(feasible_gaits)
         readings.append(NextReading("film", words, minutes, float(filmed.mean())))
     if not readings:
         raise BadInput(

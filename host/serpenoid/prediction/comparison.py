@@ -24,14 +24,11 @@ from ..session.gait_run import Crawl
 from ..session.session import Session
 from ..simulation.steady_springs import steady_springs
 from .band import SpeedBand, predict
-from .level import level_run, slope_in_words
+from .level import SLOPES, level_run, slope_in_words
 from .speeds import AMPLITUDE_SIGMA, SAMPLES, Progress, Samples, draw_samples
-from .verdict import SIMULATED, Factor, Predicted, best_factors
+from .verdict import Factor, Predicted, best_factors
 
 MIN_P_VALUE = 0.05  # p-value below which the measured speeds differ from the prediction.
-SPRINGS_RTOL = 1e-3  # Relative tolerance of the implicit model's speed.
-NO_GAIT = "no gait was run and none is planned; give one, or take a run with `serpenoid calibrate`"
-NOT_MEASURED = "No gait was run yet: these are predictions. Run one, and compare again."
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,7 +211,10 @@ def compare(
     fit = fit or fit_friction(session)
     asked_gaits = compared_gaits(session, gaits)
     if not asked_gaits:
-        raise BadInput(f"{session.where}: {NO_GAIT}")
+        raise BadInput(
+            f"{session.where}: no gait was run and none is planned; give one, or take a run with "
+            "`serpenoid calibrate`"
+        )
     servo = servo and driving(session.setup, servo)
     crawls = {crawl.gait: crawl for crawl in crawls_by_command(session)}
     drawn = draw_samples(fit, servo, amplitude_sigma, samples, seed)
@@ -310,7 +310,7 @@ def _compared_gait(
 def _implicit_speed(fit: FrictionFit, gait: Gait) -> dict[str, Any]:
     """Return the implicit model's speed and its error by name; {} if its springs do not settle."""
     try:
-        springs = steady_springs(fit.robot, fit.ground, gait, rtol=SPRINGS_RTOL)
+        springs = steady_springs(fit.robot, fit.ground, gait, rtol=1e-3)
     except NotConverged:  # Heavy links swing on the paper's springs.
         return {}
     error = springs.error_estimate * springs.speed_m_s
@@ -325,7 +325,8 @@ def _verdict(
 ) -> tuple[str, str]:
     """Return the verdict as a key of JSON has it, and as a sentence."""
     if not any(row.runs for row in rows):
-        return "not measured", NOT_MEASURED
+        text = "No gait was run yet: these are predictions. Run one, and compare again."
+        return "not measured", text
     if p_value is None:
         return "not judged", "Not judged: the servos cannot follow any gait that was run."
     measured, predicted = columns(judged, "measured_m_s", "speed_m_s")
@@ -337,7 +338,7 @@ def _verdict(
         f"the largest difference from the prediction with {joints} is {differences[worst]:+.1%}, "
         f"at {judged[worst].frequency_hz:.3g} Hz"
     )
-    chance = f"p = {p_value:.2g}" if p_value else f"p < {1 / SIMULATED:.1g}"
+    chance = f"p = {p_value:.2g}" if p_value else f"p < {1 / SLOPES:.1g}"
     if p_value < MIN_P_VALUE:
         return "differs", f"Differs: {largest} ({chance}, {count})."
     what = f"speed of {count} is" if len(judged) == 1 else f"speeds of {count} are"

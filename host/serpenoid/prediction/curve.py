@@ -13,9 +13,6 @@ from .band import SpeedBand, predict
 from .comparison import Comparison
 from .speeds import draw_samples
 
-POINTS = 12  # points of a curve; a band's ends scatter by more than chords between them are off
-MARGINS = 0.6, 1.3  # factors of the lowest and highest frequency that was compared
-
 
 @lru_cache(maxsize=1)  # a picture and a page draw the same comparison
 def speed_curves(compared: Comparison) -> dict[tuple[float, float], list[SpeedBand]]:
@@ -25,10 +22,11 @@ def speed_curves(compared: Comparison) -> dict[tuple[float, float], list[SpeedBa
         return {}
     samples = draw_samples(fit, servo, compared.amplitude_sigma)
     rates_hz = [row.frequency_hz for row in compared.gaits]
-    first_hz, most_hz = MARGINS[0] * min(rates_hz), MARGINS[1] * max(rates_hz)
+    first_hz, most_hz = 0.6 * min(rates_hz), 1.3 * max(rates_hz)
     curves = {}
     for shape in dict.fromkeys((row.gait.alpha_rad, row.gait.beta_rad) for row in compared.gaits):
         last_hz = min(most_hz, highest_hz(Gait(*shape, math.tau), servo)) if servo else most_hz
-        frequency_hz = np.linspace(min(first_hz, 0.6 * last_hz), last_hz, POINTS).tolist()
+        # a band's ends scatter by more than chords between 12 points are off
+        frequency_hz = np.linspace(min(first_hz, 0.6 * last_hz), last_hz, 12).tolist()
         curves[shape] = [predict(samples, Gait(*shape, math.tau * hz)) for hz in frequency_hz]
     return curves

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 
 import numpy as np
@@ -22,15 +22,28 @@ from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 
 Slope = tuple[Estimate, Estimate]  # rad, by which a floor falls towards "there", and to its left
-MODEL_SIGMA = 0.2  # relative error of the predicted effect of a slope: friction is a fitted one
-MIN_SHARE = 0.01  # least share of the level speed that a slope leaves
-UPDATES_HZ = (
-    250.0  # greatest rate of a servo's loop: 1000 is 0.2 % off then, in a third of the time
-)
-TOLERANCE = 1e-5  # relative error of a step: a crawl's speed is 1e-4 off at most
-STEPS, ROWS = 160, 20  # time steps of a period, and rows that are kept
-FROM_S, TO_S = 4.0, 16.0  # after the gait's start: then a crawl is measured
-SLOPES = 1024  # samples of a floor's slope; with a quarter of them faults are seen less often
+
+
+@dataclass(frozen=True)
+class CrawlSteps:
+    """How a crawl on a slope is simulated.
+
+    steps: of a period. tolerance: relative error of a step; a crawl's
+    speed is 1e-4 off at most. updates_hz: greatest rate of a servo's loop; 1000 is 0.2 % off then,
+    in a third of the time. first_s, last_s: after the gait's start, between which it is measured.
+    """
+
+    steps: int = 160
+    tolerance: float = 1e-5
+    updates_hz: float = 250.0
+    first_s: float = 4.0
+    last_s: float = 16.0
+
+
+CRAWL = CrawlSteps()
+EFFECT_SIGMA = 0.2  # Relative error of what a slope is predicted to do: friction is a fitted one.
+MIN_SHARE = 0.01  # Least share of the level speed that a slope leaves.
+SLOPES = 1024  # Samples of a slope, each with a speed; with a quarter faults show less often.
 # Standard deviations of the slope along and across a crawl at which its speed is solved for: uphill
 # it falls steeply, downhill it hardly changes. Between them it is linear, beyond them constant.
 NODES = (-3.0, 0.0, 0.5, 1.0, 1.5, 2.0, 3.0), (-3.0, 0.0, 3.0)
@@ -62,7 +75,7 @@ def level_run(
     driven = crawl.gait
     if servo:
         driven = replace(crawl.commanded, offset_rad=driven.offset_rad)
-        servo = replace(servo, update_hz=min(servo.update_hz, UPDATES_HZ))
+        servo = replace(servo, update_hz=min(servo.update_hz, CRAWL.updates_hz))
     level_m_s, slope_m_s, opposite_m_s = (
         max(_crawl_speed(fit, driven, servo, factor * mean_rad), 1e-6)
         for factor in (0.0, 1.0, -1.0)
@@ -70,7 +83,7 @@ def level_run(
     share = max(slope_m_s / level_m_s, MIN_SHARE) * float(shares.mean())
     largest = max(abs(speed / level_m_s - 1.0) for speed in (slope_m_s, opposite_m_s))
     speed = run.speed_m_s / share
-    sigma = math.hypot(run.speed_sigma_m_s / share, MODEL_SIGMA * largest * speed)
+    sigma = math.hypot(run.speed_sigma_m_s / share, EFFECT_SIGMA * largest * speed)
     return replace(run, speed_m_s=speed, speed_sigma_m_s=sigma), shares / shares.mean()
 
 
@@ -124,7 +137,7 @@ def _crawl(
 ) -> tuple[float, float]:
     """Return the mean speed, m/s, and the direction of the first cycle's way, rad."""
     period_s = gait.period_s
-    first_cycle, last = (math.ceil(at_s / period_s) for at_s in (FROM_S, TO_S))
+    first_cycle, last = (math.ceil(at_s / period_s) for at_s in (CRAWL.first_s, CRAWL.last_s))
     run = simulate(
         Scene(
             robot,
@@ -137,13 +150,12 @@ def _crawl(
             incline_rad=incline_rad,
             incline_direction_rad=uphill_rad,
             method="nonsmooth",
-            dt_s=period_s / STEPS,
-            tolerance=TOLERANCE,
-            record_every=STEPS // ROWS,
+            dt_s=period_s / CRAWL.steps,
+            tolerance=CRAWL.tolerance,
+            record_every=CRAWL.steps,
         )
     )
-    t_s = period_s * np.arange(first_cycle, last + 2)
-    x, y = (np.interp(t_s, run.t_s, way.mean(axis=1)) for way in (run.x_m, run.y_m))
+    x, y = (way[first_cycle:].mean(axis=1) for way in (run.x_m, run.y_m))  # a row a cycle
     speeds_m_s = np.hypot(np.diff(x), np.diff(y)) / period_s
     return float(speeds_m_s.mean()), math.atan2(y[1] - y[0], x[1] - x[0])
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -17,14 +16,38 @@ from ..session.push import WAYS, Push
 from ..session.session import Session
 from ..session.station import MIN_SLIP_M_S, Reading, bent_share
 
-# Minutes that a person takes: `docs/afternoon.md` and `docs/floor.md` plan with as many.
-STATION_MIN, PUSH_MIN, BEND_MIN = 4.0, 0.7, 3.0
-BELT_BENDS_RAD = tuple(map(math.radians, (0.0, 7.5, 15.0, 20.0, 30.0)))
-SLIPS_M_S = (0.15, 0.3, 0.6, 1.0)
-MAX_INCLINE_RAD = math.atan(0.15)  # steepest home treadmill, unless this one stood steeper already
-MAX_SINE = 0.7  # steepest incline that is tried; no treadmill is as steep
-SAME_BEND_SIGMAS = 4.0  # distance of two bends, in sigma, below which the robot stays as it lies
-SAME_RAD = math.radians(0.5)  # bends of a voided station that are not tried again
+
+@dataclass(frozen=True)
+class Minutes:
+    """Minutes that a person takes: `docs/afternoon.md` and `docs/floor.md` plan with as many.
+
+    station, push: each. bend: to bend the robot anew. servo_test: of one joint on a bench. film: of
+    one gait.
+    """
+
+    station: float = 4.0
+    push: float = 0.7
+    bend: float = 3.0
+    servo_test: float = 30.0
+    film: float = 10.0
+
+
+@dataclass(frozen=True)
+class StationGrid:
+    """The stations that are tried.
+
+    bends_deg, slips_m_s: each with each. max_grade: of the steepest home treadmill, unless this one
+    stood steeper already. same_bend_sigmas: two bends less apart are one, and the robot stays as it
+    lies.
+    """
+
+    bends_deg: tuple[float, ...] = (0.0, 7.5, 15.0, 20.0, 30.0)
+    slips_m_s: tuple[float, ...] = (0.15, 0.3, 0.6, 1.0)
+    max_grade: float = 0.15
+    same_bend_sigmas: float = 4.0
+
+
+MINUTES, GRID = Minutes(), StationGrid()
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,15 +83,15 @@ def _stations(session: Session, estimate: MapEstimate) -> Candidates:
     tools, bend = setup.instruments, setup.plan.bend
     present_rad = stations[-1].lambda_rad if stations[-1].bend == bend else 0.0
     shown_rad = np.array([reading.incline_rad for reading in stations], dtype=float)
-    steepest_rad = max(MAX_INCLINE_RAD, float(shown_rad.max()))
-    for bend_rad in BELT_BENDS_RAD:
-        is_near = abs(bend_rad - present_rad) < SAME_BEND_SIGMAS * tools.lambda_sigma_rad
+    steepest_rad = max(math.atan(GRID.max_grade), float(shown_rad.max()))
+    for bend_rad in map(math.radians, GRID.bends_deg):
+        is_near = abs(bend_rad - present_rad) < GRID.same_bend_sigmas * tools.lambda_sigma_rad
         angle = present_rad if present_rad and is_near else bend_rad
         if 0.0 < angle <= SAFE_BEND_SIGMAS * tools.lambda_sigma_rad:
             continue  # a lesser bend would bias cn
         law = resistance(estimate.x[:4], bent_share(bend, setup.robot.links), angle)
         drag, dry_n = (float(part[0]) for part in law)
-        sines = [min((drag * slip + dry_n) / setup.weight_n, MAX_SINE) for slip in SLIPS_M_S]
+        sines = [min((drag * slip + dry_n) / setup.weight_n, 1.0) for slip in GRID.slips_m_s]
         shown = [
             nearest_shown(
                 math.asin(sine) + zero_rad,
@@ -89,23 +112,18 @@ def _stations(session: Session, estimate: MapEstimate) -> Candidates:
                 f"a station at λ = {degrees:.4g}° ({between if angle else 'straight'}), "
                 f"inclinometer at {math.degrees(incline):.2f}°, belt near {slip:.2g} m/s"
             )
-            minutes = STATION_MIN + BEND_MIN * (angle != present_rad)
-            place: dict[str, Any] = {
-                "lambda_rad": angle,
-                "incline_rad": incline,
-                "belt_speed_m_s": slip,
-            }
+            minutes = MINUTES.station + MINUTES.bend * (angle != present_rad)
             reading = Reading(angle, incline, slip, bend=bend)
-            yield NextReading("station", words, minutes, **place), (reading,)
+            yield NextReading("station", words, minutes, math.nan, angle, incline, slip), (reading,)
 
 
 def _failed(session: Session, angle: float, incline_rad: float) -> bool:
     """Tell whether a reading at this bend and incline was voided."""
-    step = session.setup.instruments.incline_step_rad
+    tools = session.setup.instruments
     return any(
         reading.voided
-        and abs(reading.lambda_rad - angle) < SAME_RAD
-        and abs(reading.incline_rad - incline_rad) < step / 2
+        and abs(reading.lambda_rad - angle) < tools.lambda_sigma_rad
+        and abs(reading.incline_rad - incline_rad) < tools.incline_step_rad / 2
         for reading in session.readings_of("station")
     )
 
@@ -117,6 +135,6 @@ def _pushes(session: Session) -> Candidates:
         pose = f"bent {math.degrees(angle):.3g}°" if angle else "straight"
         how = "filmed" if push.track else "by tape and watch"
         words = f"pushes, {pose}, one there and one back, {how}"
-        minutes = len(WAYS) * PUSH_MIN + BEND_MIN * (angle != pushes[-1].lambda_rad)
+        minutes = len(WAYS) * MINUTES.push + MINUTES.bend * (angle != pushes[-1].lambda_rad)
         pair = tuple(replace(push, way=way) for way in WAYS)
         yield NextReading("push", words, minutes, lambda_rad=angle), pair

@@ -17,11 +17,6 @@ from .speeds import Samples, speeds
 # Relative error of a predicted speed: joints that stand 0.5 deg off their set-points for good cost
 # 0 to 3 % in the virtual lab, and servos and slopes of the samples are some 1 % apart.
 MODEL_SIGMA = 0.01
-SIMULATED = 1024  # speeds with measuring errors, among which the measured ones are ranked
-FRICTION_FACTORS = np.geomspace(0.4, 2.5, 9)
-AMPLITUDE_FACTORS = np.linspace(0.5, 1.3, 9)
-TRIED = 97  # factors between, whose speeds are interpolated
-MIN_SPEED_M_S = 1e-6  # least speed whose logarithm is taken
 
 
 @dataclass(frozen=True)
@@ -54,14 +49,10 @@ class Predicted:
         without its own servo and slope: those of the real robot are not among the samples either.
         """
         rng = np.random.default_rng(seed)
-        samples, slopes = len(self.joints_m_s), len(self.slope_shares)
-        row = np.repeat(np.arange(slopes, dtype=np.intp), max(SIMULATED // slopes, 1))
-        friction = rng.integers(samples, size=len(row))
-        moved = self.joints_m_s[friction] * self._shares[row]
-        simulated = moved + np.hypot(self.sigma_m_s, MODEL_SIGMA * moved) * rng.normal(
-            size=moved.shape
-        )
-        scores = self._log_density(simulated, row)
+        moved = rng.choice(self.joints_m_s, len(self.slope_shares)) * self._shares
+        simulated = rng.normal(moved, np.hypot(self.sigma_m_s, MODEL_SIGMA * moved))
+        servo = np.arange(len(moved)) % len(self.servo_shares)
+        scores = self._log_density(simulated, servo[:, None] == servo)
         return float(np.mean(scores <= self.log_density))
 
     @property
@@ -74,27 +65,25 @@ class Predicted:
         """Return what servo and slope leave of the speeds, (slopes, gaits): each has a servo."""
         return self.slope_shares * np.resize(self.servo_shares, self.slope_shares.shape)
 
-    def _log_density(self, speeds: Array, own_slope: NDArray[np.intp] | None = None) -> Array:
+    def _log_density(self, speeds: Array, omitted: NDArray[np.bool_] | None = None) -> Array:
         """Return it at speeds (K, gaits): a normal distribution about each servo and slope.
 
         It is the density of the speeds' logarithms, so that a speed which is a share too low is as
-        unlikely as one that is a share too high.
-        own: (K,), the slope that is left out for each of them, with its servo.
+        unlikely as one that is a share too high. omitted: (K, slopes), which are left out.
         """
-        centre = self.joints_m_s.mean(axis=0)
-        spread = np.cov(self.joints_m_s.T).reshape(len(centre), len(centre))
+        spread = np.cov(self.joints_m_s.T).reshape(2 * self.sigma_m_s.shape)
         shares = self._shares
-        noise = np.diag(self.sigma_m_s**2 + (MODEL_SIGMA * centre) ** 2)
-        covariance = shares[:, :, None] * spread * shares[:, None, :] + noise
+        centre = shares * self.joints_m_s.mean(axis=0)
+        noise = self.sigma_m_s**2 + (MODEL_SIGMA * centre) ** 2
+        covariance = shares[:, :, None] * spread * shares[:, None, :]
+        covariance += noise[:, None] * np.eye(len(spread))
         root = np.linalg.cholesky(np.linalg.inv(covariance))
         log_volume = np.linalg.slogdet(covariance)[1]
-        differences = (speeds - (shares * centre)[:, None]) @ root  # (slopes, K, gaits)
+        differences = (speeds - centre[:, None]) @ root  # (slopes, K, gaits)
         log = -0.5 * (np.sum(differences**2, axis=2).T + log_volume)
-        log += np.log(np.maximum(speeds, MIN_SPEED_M_S)).sum(axis=1, keepdims=True)
-        if own_slope is not None:
-            servos = len(self.servo_shares)
-            same = np.arange(len(shares))[None] % servos == own_slope[:, None] % servos
-            log[same] = -np.inf
+        log += np.log(np.maximum(speeds, 1e-9)).sum(axis=1, keepdims=True)
+        if omitted is not None:
+            log[omitted] = -np.inf
         return np.asarray(np.logaddexp.reduce(log, axis=1) - np.log(np.isfinite(log).sum(axis=1)))
 
 
@@ -110,22 +99,23 @@ def best_factors(
     gaits: each with its command where a film showed the joints, whose amplitude is then certain.
     What a factor does to a speed is solved for with the fitted friction and the typical servo.
     """
-    count = len(FRICTION_FACTORS)
-    friction = np.concatenate([[1.0], FRICTION_FACTORS, np.ones(count)])
-    amplitude = np.concatenate([np.ones(1 + count), AMPLITUDE_FACTORS])
+    count, ones = 9, np.ones(9)
+    factors = np.geomspace(0.4, 2.5, count), np.linspace(0.5, 1.3, count)
+    friction = np.concatenate([[1.0], factors[0], ones])
+    amplitude = np.concatenate([[1.0], ones, factors[1]])
     servos = (kind.servo,) * len(friction) if kind else ()
     samples = Samples(fit, kind, np.outer(friction, fit.values), amplitude, servos)
     rows_m_s = [speeds(samples, gait, commanded)[2] for gait, commanded in gaits]
     shares = np.array([row[1:] / max(row[0], 1e-9) for row in rows_m_s])
     return (
-        _best(predicted, FRICTION_FACTORS, shares[:, :count], seed),
-        _best(predicted, AMPLITUDE_FACTORS, shares[:, count:], seed),
+        _best(predicted, factors[0], shares[:, :count], seed),
+        _best(predicted, factors[1], shares[:, count:], seed),
     )
 
 
 def _best(predicted: Predicted, factors: Array, shares: Array, seed: int) -> Factor:
     """Return the likeliest factor; shares: (gaits, factors), of the speed without one."""
-    tried = np.linspace(factors[0], factors[-1], TRIED)
+    tried = np.linspace(factors[0], factors[-1], 97)
     by_factor = np.stack([np.interp(tried, factors, row) for row in shares], axis=1)
     joints = predicted.joints_m_s
     changed = [replace(predicted, joints_m_s=joints * share) for share in by_factor]

@@ -108,7 +108,7 @@ def test_p_values_of_what_was_drawn_are_even():
         true, samples = joints(1)[0] * servos(1)[0], joints(64)
         sigma = np.array([0.001, 0.002, 0.003])
         drawn = true + np.hypot(sigma, 0.01 * true) * rng.normal(size=3)
-        level = np.ones_like(samples)
+        level = np.ones((1024, 3))
         found.append(Predicted(samples, servos(64), level, drawn, sigma).p_value(seed))
     even = (np.arange(200) + 0.5) / 200
     assert np.abs(np.sort(found) - even).max() < 1.63 / math.sqrt(200)  # Kolmogorov, 1 %
