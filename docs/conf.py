@@ -1,4 +1,4 @@
-"""How the documentation is built; `.ci/docs` draws its figures and reference pages before."""
+"""Settings of Sphinx; `.ci/docs` first draws the figures and writes the reference pages."""
 
 from __future__ import annotations
 
@@ -35,17 +35,17 @@ autodoc_preserve_defaults = True
 autodoc_type_aliases = {"ArrayLike": "ArrayLike", "Array": "Array"}
 python_maximum_signature_line_length = 76
 smartquotes = False
-# The repository's own pages, included as they are, link to files beside them.
+# Pages of the repository that are included unchanged link to files beside them.
 suppress_warnings = ["myst.xref_missing", "myst.header"]
 
 
-def plain(_app, _what, _name, _obj, _options, lines: list[str]) -> None:
-    """Take docstrings as the plain text that they are: |P| and ct_ are no markup here."""
+def escape_markup(_app, _what, _name, _obj, _options, lines: list[str]) -> None:
+    """Escape markup in docstrings, which are plain text: |P| and ct_ mean themselves."""
     text = re.sub(r"([|*\\])|_(?=\W|$)", lambda m: "\\" + m[0], "\n".join(lines))
     lines[:] = re.sub(r"`([^`\n]+)`", r"``\1``", text).split("\n")
 
 
-NAMES = {  # what theme and Sphinx leave without a name or a level for a screen reader
+NAMED_PARTS = {  # parts of a page to which a screen reader needs a name, level or focus
     '<aside class="sidebar-drawer">': '<aside class="sidebar-drawer" aria-label="Contents">',
     '<aside class="toc-drawer': '<aside aria-label="On this page" class="toc-drawer',
     '<p class="caption" role="heading">': '<p class="caption" role="heading" aria-level="2">',
@@ -56,21 +56,21 @@ NAMES = {  # what theme and Sphinx leave without a name or a level for a screen 
 
 
 def whole_percentages(text: str) -> str:
-    """Return a page whose numbers stay on one line with their %; what is typed stays as it is."""
+    """Return a page with unbreakable spaces between numbers and %, except in code."""
     typed_or_percent = r"<(code|pre)\b.*?</\1>|(?<=\d) %"
     return re.sub(typed_or_percent, lambda m: m[0] if m[1] else "\u00a0%", text, flags=re.S)
 
 
-def name_parts(app, error) -> None:
-    """Name the parts of each page that was written."""
+def improve_pages(app, error) -> None:
+    """Change every page that Sphinx has written."""
     for path in Path(app.outdir).glob("*.html") if error is None else ():
         text = path.read_text(encoding="utf-8")
-        for old, new in NAMES.items():
+        for old, new in NAMED_PARTS.items():
             text = text.replace(old, new)
         path.write_text(whole_percentages(text), encoding="utf-8")
 
 
 def setup(app) -> None:
-    """Register what is above with Sphinx."""
-    app.connect("autodoc-process-docstring", plain, priority=100)  # before napoleon
-    app.connect("build-finished", name_parts)
+    """Register the functions above with Sphinx."""
+    app.connect("autodoc-process-docstring", escape_markup, priority=100)  # before napoleon
+    app.connect("build-finished", improve_pages)

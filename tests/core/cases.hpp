@@ -1,4 +1,4 @@
-// Robots, requests and ends of runs that the tests of the core share.
+// Robots, first poses and requests of runs, shared by the tests of the core.
 #pragma once
 
 #include <vector>
@@ -22,7 +22,7 @@ inline std::vector<double> packed(const Chain& chain) {
     return start;
 }
 
-// The chain of a gait at t = 0, closed, with link 1 at rest at the origin along x.
+// The chain of a gait at t = 0 with closed joints; link 1 is at rest at the origin, along x.
 inline Chain first_pose(const Robot& robot, const Gait& gait) {
     Chain chain(robot.n);
     const GaitTable table(robot.n, gait);
@@ -36,7 +36,7 @@ inline Chain first_pose(const Robot& robot, const Gait& gait) {
     return chain;
 }
 
-// A run that records its end alone.
+// The request of a run that records only its end.
 inline RunRequest request_of(const Robot& robot, const Ground& ground, const Gait& gait,
                              const char* method, double duration) {
     RunRequest request;

@@ -1,4 +1,5 @@
-// A frame is integers alone; only the plan of a change, made once for each order, is in floats.
+// Setpoints of motion.h. A frame uses integers only; the plan of a change, once an order, uses
+// floats.
 #include "motion.h"
 
 #include <string.h>
@@ -8,7 +9,7 @@ namespace {
 
 const float kRadPerQ14 = 1.0F / 16384;
 const float kRadPerQ32Turn = 6.2831853F / 4294967296.0F;
-// What roundings of a setpoint may add to a step or carry beyond a limit, in Q14 radians (0.01°).
+// Rounding errors of a setpoint that are accepted in steps and at limits, Q14 radians (0.01°).
 const int16_t kRoundingQ14 = 3;
 
 float magnitude(float x) { return x < 0 ? -x : x; }
@@ -23,7 +24,8 @@ uint32_t step_of(float omega_rad_s, float frame_s) {
     return static_cast<uint32_t>(omega_rad_s * (frame_s / kRadPerQ32Turn)) | 1U;
 }
 
-// How far apart the oscillating parts of two shapes can be at the same phase, any joint.
+// Upper bound, rad, of the difference of two shapes without their bases, at any phase, of any
+// joint.
 float swing_between(const GaitShape& a, const GaitShape& b) {
     const uint32_t lag_q31 =
         static_cast<uint32_t>(b.beta_q31_turn) - static_cast<uint32_t>(a.beta_q31_turn);
@@ -46,7 +48,7 @@ float shift_between(const GaitShape& a, const GaitShape& b) {
     return largest * kRadPerQ14;
 }
 
-bool same(const GaitShape& a, const GaitShape& b) {
+bool equal(const GaitShape& a, const GaitShape& b) {
     return swing_between(a, b) == 0 && shift_between(a, b) == 0;
 }
 
@@ -58,7 +60,7 @@ int32_t smooth_q14(uint16_t u) {
 
 }  // namespace
 
-// Numbers alone: one loop is shorter on an AVR than a store for each.
+// All members are numbers. On an AVR one loop takes less flash than an instruction for each.
 Motion::Motion() {
     memset(static_cast<void*>(this), 0, sizeof *this);  // cppcheck-suppress memsetClassFloat
     limits_.frame_us = kFrameUs;
@@ -96,7 +98,8 @@ void Motion::order(uint64_t phase_rate, bool gait) {
     next_phase_rate_ = phase_rate;
     next_gait_ = gait;
     waiting_ = true;
-    if (under_way() && gait == gait_ && same(next_, end_shape_)) {  // the change leads there anyway
+    if (under_way() && gait == gait_ &&
+        equal(next_, end_shape_)) {  // the present change leads to it
         target_phase_rate_ = phase_rate;
         waiting_ = false;
     }
@@ -131,7 +134,7 @@ void Motion::begin() {
     if (!blending_) start_shape_ = end_shape_;
 }
 
-// One frame's change of the rate towards this one; true when it is there, to 2⁻³² turns.
+// Change the phase rate towards this one by one frame; true if it is reached, to 2⁻³² turns.
 bool Motion::approach(uint32_t rate) {
     const uint32_t current_rate = upper(phase_rate_);
     const uint32_t gap = current_rate < rate ? rate - current_rate : current_rate - rate;
@@ -142,7 +145,7 @@ bool Motion::approach(uint32_t rate) {
     return false;
 }
 
-// One frame further: the rate first, if it must come down, then the blend, then the rate.
+// Advance by one frame: reduce the phase rate if it is too high, then blend, then set the rate.
 void Motion::proceed() {
     if (!blending_) {
         if (approach(upper(target_phase_rate_))) phase_rate_ = target_phase_rate_;
@@ -165,13 +168,13 @@ int16_t Motion::angle_of(const GaitShape& shape, uint8_t joint) const {
     return static_cast<int16_t>(shape.base_q14[joint] + swing);
 }
 
-// The angle nearest to the target that limits and speed allow.
+// The angle closest to the target within the limits of angle and speed.
 int16_t Motion::limited(uint8_t joint, int32_t target_q14) {
     const int32_t low = limits_.low_q14[joint], high = limits_.high_q14[joint];
     const int32_t step = limits_.servo_step_q14 + kRoundingQ14;
-    const int32_t slowest = setpoint_q14_[joint] - step, fastest = setpoint_q14_[joint] + step;
+    const int32_t lowest = setpoint_q14_[joint] - step, highest = setpoint_q14_[joint] + step;
     int32_t angle = target_q14 < low ? low : target_q14 > high ? high : target_q14;
-    angle = angle < slowest ? slowest : angle > fastest ? fastest : angle;
+    angle = angle < lowest ? lowest : angle > highest ? highest : angle;
     const int32_t excess_q14 = angle - target_q14;
     if (excess_q14 > kRoundingQ14 || excess_q14 < -kRoundingQ14) ++clipped_;
     return static_cast<int16_t>(angle);
@@ -186,7 +189,7 @@ void Motion::advance(uint16_t frames) {
     for (uint8_t i = 0; i < joint_count; ++i) {
         int32_t target_q14 = angle_of(start_shape_, i);
         if (blending_) {
-            // At most 4 rad, which is 2¹⁶; times 2¹⁴ it fits.
+            // The difference is at most 4 rad, which is 2¹⁶; times 2¹⁴ it fits into 32 bits.
             const int32_t difference_q14 = angle_of(end_shape_, i) - target_q14;
             target_q14 += (difference_q14 * weight_q14 + 0x2000) >> 14;
         }

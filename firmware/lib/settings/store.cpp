@@ -1,4 +1,4 @@
-// See store.h for the layout and for why the age is written first and last.
+// The steps of store.h, which explains the layout, and why the age is written first and last.
 #include "store.h"
 
 #include "crc16.h"
@@ -8,11 +8,11 @@ namespace {
 
 const uint16_t kAge = 0, kLayoutByte = 1, kJointsByte = 2;  // offsets in a copy
 const uint8_t kAges = 3;
-const uint8_t kMaxStoredJoints = 12;  // of any board; a larger number is damage
+const uint8_t kMaxStoredJoints = 12;  // greatest number of any board; a larger one is damage
 
 }  // namespace
 
-// Behind the boot counter, and in the upper half of the 1024 bytes of a Uno.
+// After the boot counter, and in the upper half of the 1024 bytes of an Uno.
 uint16_t Store::slot_address(uint8_t slot) { return slot == 0 ? 64 : 512; }
 
 uint16_t Store::record_size(uint8_t joints) {
@@ -70,11 +70,11 @@ void Store::copy_byte() {
     if (++offset_ == record_size(joints) - kHead - 2) job_ = None;
 }
 
-// The byte at offset_. The CRC is that of all bytes before: they are asked for in their order.
+// The byte at offset_. Bytes must be requested in order, as the CRC is that of all bytes before it.
 uint8_t Store::record_byte() {
     const uint8_t head[kHead] = {next_age(), kLayout, joint_count};
-    const int16_t behind = static_cast<int16_t>(offset_ - record_size(joint_count) + 2);
-    if (behind >= 0) return static_cast<uint8_t>(behind == 0 ? crc_ >> 8 : crc_);
+    const int16_t crc_offset = static_cast<int16_t>(offset_ - record_size(joint_count) + 2);
+    if (crc_offset >= 0) return static_cast<uint8_t>(crc_offset == 0 ? crc_ >> 8 : crc_);
     const uint8_t byte = offset_ < kHead ? head[offset_] : settings_[offset_ - kHead];
     crc_ = crc16_next(crc_, byte);
     return byte;
@@ -92,7 +92,8 @@ void Store::write_byte() {
     if (last) begin(Check, slot_);
 }
 
-// A load does not ask whether the EEPROM is ready: at a start it may wait for the boot counter.
+// A load does not check that the EEPROM is ready, because at a start it may wait for the boot
+// counter.
 bool Store::step() {
     if (job_ == None || (saving_ && !eeprom_.ready())) return false;
     if (job_ == Check) {

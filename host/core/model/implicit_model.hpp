@@ -2,8 +2,8 @@
 //
 //     Delta_i = (c_{i+1} - l t_{i+1}) - (c_i + l t_i),   F_i = k Delta_i + c Delta_i',
 //     m a_i = f_i + F_i - F_{i-1},
-// torques imposed:  I theta_i'' = T_i - T_{i-1} + l n_i . (F_i + F_{i-1})
-// angles imposed:   n I theta_1'' = sum l n_i . (F_i + F_{i-1}) - I sum s_i''.
+// imposed torques:  I theta_i'' = T_i - T_{i-1} + l n_i . (F_i + F_{i-1})
+// imposed angles:   n I theta_1'' = sum l n_i . (F_i + F_{i-1}) - I sum s_i''.
 #pragma once
 
 #include <vector>
@@ -16,7 +16,7 @@ struct JointSpring {
     double k, c;  // N/m, N s/m
 };
 
-// Delta_i and its rate.
+// Delta_i, m, and its rate, m/s.
 inline Gap gap(const Chain& k, double l, int i) {
     return {k.x[i + 1] - k.x[i] - l * (k.c[i + 1] + k.c[i]),
             k.y[i + 1] - k.y[i] - l * (k.s[i + 1] + k.s[i]),
@@ -24,8 +24,8 @@ inline Gap gap(const Chain& k, double l, int i) {
             k.vy[i + 1] - k.vy[i] - l * (k.omega[i + 1] * k.c[i + 1] + k.omega[i] * k.c[i])};
 }
 
-// The rates of the gaps on which the dampers act: as they are or, in the paper's scheme, as they
-// were at the last latch.
+// The rates of the gaps on which the dampers act: the present ones or, in the paper's scheme, those
+// stored by the last latch().
 struct Damper {
     Damper(int links, bool latched) : latched(latched), vx(links - 1), vy(links - 1) {}
     void latch(const std::vector<Gap>& gaps) {
@@ -48,8 +48,8 @@ inline void spring_forces(const JointSpring& spring, const Damper& damper,
     }
 }
 
-// l n_i . (F_i + F_{i-1}), the couple of the joint forces on link i; also fills a_i.
-inline double link_balance(const Robot& r, Chain& k, const Joints& joints, int i) {
+// Set a_i from the joint forces on link i, and return their moment, l n_i . (F_i + F_{i-1}).
+inline double accelerate_link(const Robot& r, Chain& k, const Joints& joints, int i) {
     const double px = i > 0 ? joints.Fx[i - 1] : 0, py = i > 0 ? joints.Fy[i - 1] : 0;
     const double qx = i + 1 < k.n() ? joints.Fx[i] : 0, qy = i + 1 < k.n() ? joints.Fy[i] : 0;
     k.ax[i] = (k.fx[i] + qx - px) / r.m;
@@ -57,26 +57,28 @@ inline double link_balance(const Robot& r, Chain& k, const Joints& joints, int i
     return r.l * (-k.s[i] * (px + qx) + k.c[i] * (py + qy));
 }
 
-// Fill the accelerations of a chain by the joint forces. Some joints imposed, the others free, as
-// explicit_mixed; the imposed torques solve
-//     (2T_i - T_{i-1} - T_{i+1})/I = (couple_{i+1} - couple_i)/I - phi_i'',
-// and so do those of joints with rotors, whose phi_i'' is (T_i - what drives the rotor) / rotor_i.
+// Fill the accelerations of a chain from the joint forces. Some joint angles are imposed, the
+// others free, as in explicit_mixed. The torques of imposed joints solve
+//     (2T_i - T_{i-1} - T_{i+1})/I = (moment_{i+1} - moment_i)/I - phi_i'',
+// and so do those of joints with rotors, where phi_i'' = (T_i - driving torque) / rotor_i.
 inline void implicit_mixed(const Robot& r, const std::vector<char>& imposed,
                            const std::vector<double>& rotor, const double* joint_accel,
                            std::vector<double>& scratch, Chain& k, Joints& joints) {
     const int n = k.n();
-    for (int i = 0; i < n; ++i) k.alpha[i] = link_balance(r, k, joints, i);  // couples, for now
-    double ratio = 0;  // what the elimination left beside the diagonal of the row before
+    for (int i = 0; i < n; ++i)
+        k.alpha[i] = accelerate_link(r, k, joints, i);  // alpha holds the moments
+    double ratio = 0;  // entry beside the diagonal of the last row after elimination
     for (int i = 0; i + 1 < n; ++i) {
-        const double ease = imposed[i] || rotor[i] == 0 ? 0 : r.I / rotor[i];
-        if (!imposed[i] && ease == 0) {
+        const double inertia_ratio = imposed[i] || rotor[i] == 0 ? 0 : r.I / rotor[i];
+        if (!imposed[i] && inertia_ratio == 0) {
             ratio = 0;
             scratch[i] = 0;
             continue;
         }
-        const double given_torque = imposed[i] ? -r.I * joint_accel[i] : ease * joints.T[i];
-        const double right = k.alpha[i + 1] - k.alpha[i] + given_torque;
-        const double diagonal = 2 + ease - ratio;
+        const double driving_torque =
+            imposed[i] ? -r.I * joint_accel[i] : inertia_ratio * joints.T[i];
+        const double right = k.alpha[i + 1] - k.alpha[i] + driving_torque;
+        const double diagonal = 2 + inertia_ratio - ratio;
         joints.T[i] = (right + (i > 0 ? joints.T[i - 1] : 0)) / diagonal;
         ratio = 1 / diagonal;
         scratch[i] = ratio;

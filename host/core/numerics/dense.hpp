@@ -1,4 +1,4 @@
-// Dense linear algebra for the few small systems of the solvers: LU with partial pivoting.
+// Dense linear algebra for small systems: LU factors with partial pivoting, 3 x 3 matrices.
 #pragma once
 
 #include <algorithm>
@@ -28,10 +28,10 @@ bool solve_dense(double* A, double* b) {
         const double* __restrict above = A + k * n, * __restrict right = b + k * columns;
         for (int i = k + 1; i < n; ++i) {
             double* __restrict row = A + i * n, * __restrict right_row = b + i * columns;
-            const double f = row[k] * inverse;
-            if (f == 0) continue;
-            for (int j = k + 1; j < n; ++j) row[j] -= f * above[j];
-            for (int j = 0; j < columns; ++j) right_row[j] -= f * right[j];
+            const double factor = row[k] * inverse;
+            if (factor == 0) continue;
+            for (int j = k + 1; j < n; ++j) row[j] -= factor * above[j];
+            for (int j = 0; j < columns; ++j) right_row[j] -= factor * right[j];
         }
     }
     for (int k = n - 1; k >= 0; --k) {
@@ -45,18 +45,19 @@ bool solve_dense(double* A, double* b) {
     return true;
 }
 
-// The same for a size that is known when it runs, factored once for any number of right sides. By
-// columns, so that every inner loop runs over neighbours in memory.
+// LU factors of a matrix whose size is known only at run time, for any number of right sides.
+// Stored by columns, so that inner loops run over neighbours in memory.
 template <class Scalar>
 class DenseFactors {
   public:
-    // The matrix to fill, by columns.
+    // A zero matrix of this size, by columns, for the caller to fill.
     std::vector<Scalar>& begin(int size) {
         n_ = size;
         columns_.assign(size * size, Scalar{});
         swapped_.resize(size);
         return columns_;
     }
+    // False if the matrix is singular.
     bool factor() {
         for (int k = 0; k < n_; ++k) {
             Scalar* pivots = column(k);
@@ -75,6 +76,7 @@ class DenseFactors {
         }
         return true;
     }
+    // Overwrite x, the right side, with the solution.
     void solve(Scalar* x) {
         for (int k = 0; k < n_; ++k) std::swap(x[k], x[swapped_[k]]);
         for (int k = 0; k < n_; ++k)
@@ -114,7 +116,7 @@ std::array<Real, 3> multiply(const std::array<Real, 9>& a, const std::array<Real
     return y;
 }
 
-// By cofactors: for packs of matrices, which cannot exchange rows one by one.
+// The inverse by cofactors; usable for packs of matrices, for which rows cannot be exchanged.
 template <class Real>
 std::array<Real, 9> inverse3(const std::array<Real, 9>& a) {
     const Real c0 = a[4] * a[8] - a[5] * a[7], c1 = a[5] * a[6] - a[3] * a[8],

@@ -1,4 +1,4 @@
-// The damped steps of fixed_point.hpp.
+// Newton's method of fixed_point.hpp, with limited and damped steps.
 #include "periodic/fixed_point.hpp"
 
 #include <algorithm>
@@ -10,23 +10,24 @@ namespace {
 
 double size(const Vec3& a) { return std::max({std::fabs(a[0]), std::fabs(a[1]), std::fabs(a[2])}); }
 
-// The inner product of the kinetic energy, but for a factor: friction draws motions together in it.
+// The inner product that belongs to kinetic energy, except for a factor. In its norm, friction
+// reduces the distance of two motions.
 double inner(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] / 12; }
 
-// Newton's steps, in units of the scales. With these one of 600 dry gaits of 3 to 12 links, with
-// friction over decades, is lost at a tolerance of 1e-4.
+// Tuning of Newton's steps, in units of the scales. With these values the search fails for one of
+// 600 dry gaits of 3 to 12 links, with friction over decades, at a tolerance of 1e-4.
 struct NewtonSteps {
     int max_iterations = 40;
-    double first_length = 2;      // longest first step
-    double lengthening = 3;       // of the longest step, after a limited one that helped
-    double shortest_part = 0.01;  // of a step: a shorter one does not help
-    double min_cut = 0.1;         // parts of a step between which the secant cuts it at once
+    double first_length = 2;     // limit of the first step
+    double growth = 3;           // growth of the limit after a limited step that succeeded
+    double min_fraction = 0.01;  // least fraction of a step that is tried
+    double min_cut = 0.1;        // least and greatest factor by which the secant cuts a step
     double max_cut = 0.5;
-    double below_goal = 0.1;      // of the goal: a residual there is rounding
-    double first_damping = 1e-6;  // of the one that alone would make a step so short
-    double more_damping = 4;      // a damping over the one before
-    double promising = 1e-3;      // a cycle's change, where Newton's method may do at once
-    int cycles = 4;               // followed where no part of a step helps
+    double rounding = 0.1;        // residual, over the goal, that counts as rounding
+    double first_damping = 1e-6;  // first damping, over the one that limits the step by itself
+    double damping_growth = 4;    // ratio of one damping to the last
+    double promising = 1e-3;      // change in a cycle below which one Newton step may suffice
+    int cycles = 4;               // cycles followed if no fraction of a step succeeds
 };
 constexpr NewtonSteps kNewtonSteps;
 
@@ -54,7 +55,7 @@ double Orbit::condition() const {
     return norm;
 }
 
-// Follow from the start: the residual and the image's derivative.
+// Follow the motion from the start; set the residual, and the derivative of the end's image.
 bool FixedPoint::evaluate(const Following& how, Orbit& orbit) {
     const Vec3 &scale = map_.scale(), sign = mirror_signs(map_.mirrored());
     Vec3 p;
@@ -72,7 +73,7 @@ bool FixedPoint::evaluate(const Following& how, Orbit& orbit) {
     return true;
 }
 
-// (1 + damping - M)^-1 residual.
+// d = (1 + damping - M)^-1 residual; false if the matrix is singular.
 bool FixedPoint::step(const Orbit& orbit, double damping, Vec3& d) const {
     Mat3 A = identity3();
     for (int i = 0; i < 9; ++i) A[i] = (1 + damping) * A[i] - orbit.derivative[i];
@@ -80,14 +81,14 @@ bool FixedPoint::step(const Orbit& orbit, double damping, Vec3& d) const {
     return solve_dense<3, 1>(A.data(), d.data()) && std::isfinite(size(d));
 }
 
-// Limit the step to `max_size`, and keep it from going against the residual, by damping: it makes
-// the step shorter and turns it towards the residual. True where Newton's step was changed.
+// Limit the step d to max_size, and its angle to the residual to 90 degrees, by damping, which
+// shortens the step and turns it towards the residual. Whether the step was changed.
 bool FixedPoint::shorten(const Orbit& orbit, double max_size, Vec3& d) const {
     const Vec3& r = orbit.residual;
     const auto fits = [&] { return size(d) <= max_size && inner(r, d) >= 0; };
     if (fits()) return false;
     for (double damping = kNewtonSteps.first_damping * size(r) / max_size; damping < 1;
-         damping *= kNewtonSteps.more_damping)
+         damping *= kNewtonSteps.damping_growth)
         if (step(orbit, damping, d) && fits()) return true;
     for (int k = 0; k < 3; ++k) d[k] = r[k] * std::min(1.0, max_size / size(r));
     return true;
@@ -105,31 +106,32 @@ bool FixedPoint::follow_cycles(int max_cycles, double settled, double tolerance,
     return true;
 }
 
-// Where every wheel slides one way all the cycle through friction hardly depends on the speed: the
-// residual is the same over a wide stretch, 1 - M next to singular, and Newton's step far too long.
-// So a step is limited. Friction draws motions together, so the fixed point lies on the side to
-// which the residual points. If the residual still points forward at the end of a step, the step
-// is accepted and the next may be longer. A step that went too far is cut by the secant. When that
-// does not help, a few cycles are followed.
+// If no wheel changes its direction during the cycle, friction hardly depends on the speed. Then
+// the residual is nearly constant in a wide region, 1 - M is nearly singular, and Newton's step is
+// far too long; so steps are limited. Friction reduces the distance of motions, so the residual
+// points towards the fixed point. If the residual at the end of a step has a positive product with
+// the step, the step is accepted, and the next may be longer. A step that is too long is cut by the
+// secant. If that fails, a few cycles are followed.
 FixedPoint::Ended FixedPoint::solve(double tolerance, double goal, bool work, Orbit& orbit) {
     Vec3 last_start = start, last_step{};
-    double last_size = HUGE_VAL, part = 1, max_size = kNewtonSteps.first_length, progress_begin = 0;
+    double last_size = HUGE_VAL, fraction = 1, max_size = kNewtonSteps.first_length,
+           first_progress = 0;
     bool limited = false;
     for (int i = 0; i < kNewtonSteps.max_iterations; ++i) {
         const bool with_work = work && (i > 0 || start_solved || promising_);
         if (!evaluate({tolerance, with_work}, orbit)) return Ended::broken;
         const double residual = size(orbit.residual);
         const double progress = inner(orbit.residual, last_step);
-        if (residual > last_size && residual > kNewtonSteps.below_goal * goal && !(progress > 0)) {
-            part *= std::clamp(progress_begin / (progress_begin - progress), kNewtonSteps.min_cut,
-                               kNewtonSteps.max_cut);
+        if (residual > last_size && residual > kNewtonSteps.rounding * goal && !(progress > 0)) {
+            fraction *= std::clamp(first_progress / (first_progress - progress),
+                                   kNewtonSteps.min_cut, kNewtonSteps.max_cut);
             start = last_start;
-            if (part > kNewtonSteps.shortest_part) {
-                for (int k = 0; k < 3; ++k) start[k] += part * last_step[k];
-                max_size = part * size(last_step);
+            if (fraction > kNewtonSteps.min_fraction) {
+                for (int k = 0; k < 3; ++k) start[k] += fraction * last_step[k];
+                max_size = fraction * size(last_step);
             } else {
                 last_size = HUGE_VAL;
-                part = 1;
+                fraction = 1;
                 if (!follow_cycles(kNewtonSteps.cycles, goal, tolerance)) return Ended::broken;
             }
             continue;
@@ -142,13 +144,13 @@ FixedPoint::Ended FixedPoint::solve(double tolerance, double goal, bool work, Or
             start = orbit.next_start();
             return Ended::converged;
         }
-        if (part == 1 && limited) max_size *= kNewtonSteps.lengthening;
+        if (fraction == 1 && limited) max_size *= kNewtonSteps.growth;
         limited = shorten(orbit, max_size, d);
         last_size = residual;
         last_start = start;
         last_step = d;
-        part = 1;
-        progress_begin = inner(orbit.residual, d);
+        fraction = 1;
+        first_progress = inner(orbit.residual, d);
         for (int k = 0; k < 3; ++k) start[k] += d[k];
     }
     return Ended::stalled;

@@ -1,4 +1,4 @@
-// The forces and modes of sticking.hpp.
+// Forces and modes of the contacts of sticking.hpp.
 #include "scene/sticking.hpp"
 
 #include <algorithm>
@@ -10,15 +10,15 @@ namespace serpenoid {
 
 namespace {
 struct RestTuning {
-    double speed = 1e-3;       // speed of a wheel that may rest, over a step's tolerance
-    double tolerance = 1e-10;  // least tolerance: with a smaller one that speed is rounding
-    double excess = 1e-6;      // excess of the force over its bound at the end of rest, relative
-    // Share of its bound by which rounding may leave the sum of all forces on a contact that rests.
-    // With 1e-12 wheels that hold each other were let go and caught again, hundreds of times at
-    // once.
+    double speed = 1e-3;       // speed below which a contact may rest, over the tolerance of a step
+    double tolerance = 1e-10;  // least tolerance; a smaller one gives a speed like rounding errors
+    double excess = 1e-6;      // excess of the force at the end of rest, over the bound
+    // Sum of all forces on a resting contact that rounding may leave, over the bound. With 1e-12,
+    // wheels that hold each other changed between rest and sliding hundreds of times at one
+    // instant.
     double force_rounding = 1e-8;
-    // Speeds over the one that may rest: backward at the end of a slide; of a wheel that rests; of
-    // one that just reversed.
+    // Limits of speeds, over that of a contact that may rest: backward speed at the end of sliding,
+    // speed of a resting contact, speed of a contact that has just reversed.
     double backward = 0.1, creep = 100, reversed = 1e3;
 };
 constexpr RestTuning kRest;
@@ -29,8 +29,8 @@ Sticking::Sticking(Mechanics& mechanics, const RunRequest& request)
       chain_(mechanics.chain),
       along_(request.ground.along),
       length_(2 * request.robot.l),
-      at_rest_(kRest.speed * std::max(mode_tolerance(request), kRest.tolerance) * request.robot.n *
-               length_ * rate_unit(request)) {
+      rest_speed_(kRest.speed * std::max(mode_tolerance(request), kRest.tolerance) *
+                  request.robot.n * length_ * rate_unit(request)) {
     const double force_scale = request.robot.n * request.robot.m * request.robot.n * length_ *
                                rate_unit(request) * rate_unit(request);
     const WheelLaw& across = request.ground.across;
@@ -46,58 +46,58 @@ Sticking::Sticking(Mechanics& mechanics, const RunRequest& request)
     for (std::size_t w = 0; w < contacts_.size(); ++w) resting_.push_back(static_cast<int>(w));
 }
 
-double Sticking::speed(const Contact& w) const {
-    const int i = w.link;
-    if (w.kind == Kind::gear) return length_ * (chain_.omega[i + 1] - chain_.omega[i]);
-    return w.kind == Kind::across ? chain_.c[i] * chain_.vy[i] - chain_.s[i] * chain_.vx[i]
-                                  : chain_.c[i] * chain_.vx[i] + chain_.s[i] * chain_.vy[i];
+double Sticking::speed(const Contact& contact) const {
+    const int i = contact.link;
+    if (contact.kind == Kind::gear) return length_ * (chain_.omega[i + 1] - chain_.omega[i]);
+    return contact.kind == Kind::across ? chain_.c[i] * chain_.vy[i] - chain_.s[i] * chain_.vx[i]
+                                        : chain_.c[i] * chain_.vx[i] + chain_.s[i] * chain_.vy[i];
 }
 
-// d/dt of speed(), the turning of the direction included.
-double Sticking::acceleration(const Contact& w) const {
-    const int i = w.link;
+// d/dt of speed(), including the rotation of the direction.
+double Sticking::acceleration(const Contact& contact) const {
+    const int i = contact.link;
     const double c = chain_.c[i], s = chain_.s[i], turn = chain_.omega[i];
-    if (w.kind == Kind::gear) return length_ * (chain_.alpha[i + 1] - chain_.alpha[i]);
-    if (w.kind == Kind::across)
+    if (contact.kind == Kind::gear) return length_ * (chain_.alpha[i + 1] - chain_.alpha[i]);
+    if (contact.kind == Kind::across)
         return c * chain_.ay[i] - s * chain_.ax[i] - turn * (c * chain_.vx[i] + s * chain_.vy[i]);
     return c * chain_.ax[i] + s * chain_.ay[i] + turn * (c * chain_.vy[i] - s * chain_.vx[i]);
 }
 
-// Add a force, a part of the bound, on a link in one of its directions or on a joint's drive.
-void Sticking::add_force(const Contact& w, double part) {
-    const int i = w.link;
-    const double f = part * w.dry;
-    if (w.kind == Kind::gear) {
+// Add the force of a contact, given as a share of its bound, to its link or to the joint's torque.
+void Sticking::add_force(const Contact& contact, double share) {
+    const int i = contact.link;
+    const double f = share * contact.dry;
+    if (contact.kind == Kind::gear) {
         mechanics_.driven[i] -= f * length_;
         return;
     }
-    const bool across = w.kind == Kind::across;
+    const bool across = contact.kind == Kind::across;
     chain_.fx[i] += f * (across ? -chain_.s[i] : chain_.c[i]);
     chain_.fy[i] += f * (across ? chain_.c[i] : chain_.s[i]);
 }
 
-// The forces without those of what rests.
-void Sticking::release() {
+// Restore the forces without those of resting contacts.
+void Sticking::remove_rest_forces() {
     chain_.fx = free_x_;
     chain_.fy = free_y_;
     mechanics_.driven = free_T_;
 }
 
-// Add a ratchet's friction that differs from the mean of both directions.
-void Sticking::add_ratchet(const Contact& w) {
-    const int i = w.link;
-    const double more = along_.viscous(w.sign) - along_.viscous(0);
-    const double f = along_.thrust() - more * speed(w);
+// Add the difference of a ratchet's friction from the mean of both directions.
+void Sticking::add_ratchet(const Contact& contact) {
+    const int i = contact.link;
+    const double extra = along_.viscous(contact.sign) - along_.viscous(0);
+    const double f = along_.thrust() - extra * speed(contact);
     chain_.fx[i] += f * chain_.c[i];
     chain_.fy[i] += f * chain_.s[i];
 }
 
-// All forces but those of what rests, and the accelerations by them.
-void Sticking::slide(double t, const double* y) {
+// Load all forces except those of resting contacts, and compute the accelerations.
+void Sticking::load_sliding(double t, const double* y) {
     mechanics_.load(t, y);
-    for (const Contact& w : contacts_) {
-        if (w.kind == Kind::along) add_ratchet(w);
-        if (w.sign != 0) add_force(w, -w.sign);
+    for (const Contact& contact : contacts_) {
+        if (contact.kind == Kind::along) add_ratchet(contact);
+        if (contact.sign != 0) add_force(contact, -contact.sign);
     }
     mechanics_.accelerate();
     free_x_ = chain_.fx;
@@ -105,62 +105,62 @@ void Sticking::slide(double t, const double* y) {
     free_T_ = mechanics_.driven;
 }
 
-// W by columns and rows, each times its bound, and a times the bound; slide() has been called.
-void Sticking::respond(const std::vector<int>& which) {
-    const std::size_t k = which.size();
+// Compute response_ = mu W mu and pull_ = mu a of the given contacts, after load_sliding().
+void Sticking::set_response(const std::vector<int>& indices) {
+    const std::size_t k = indices.size();
     response_.resize(k * k);
     pull_.resize(k);
     free_acceleration_.resize(k);
-    for (std::size_t i = 0; i < k; ++i) free_acceleration_[i] = acceleration(contacts_[which[i]]);
+    for (std::size_t i = 0; i < k; ++i) free_acceleration_[i] = acceleration(contacts_[indices[i]]);
     for (std::size_t j = 0; j < k; ++j) {
-        release();
-        add_force(contacts_[which[j]], 1);
+        remove_rest_forces();
+        add_force(contacts_[indices[j]], 1);
         mechanics_.accelerate();
         for (std::size_t i = 0; i < k; ++i) {
-            const Contact& w = contacts_[which[i]];
-            response_[i * k + j] = w.dry * (acceleration(w) - free_acceleration_[i]);
+            const Contact& contact = contacts_[indices[i]];
+            response_[i * k + j] = contact.dry * (acceleration(contact) - free_acceleration_[i]);
         }
     }
     for (std::size_t i = 0; i < k; ++i) {
-        pull_[i] = contacts_[which[i]].dry * free_acceleration_[i];
+        pull_[i] = contacts_[indices[i]].dry * free_acceleration_[i];
         for (std::size_t j = 0; j < i; ++j)
             response_[i * k + j] = response_[j * k + i] =
                 0.5 * (response_[i * k + j] + response_[j * k + i]);
     }
 }
 
-// Add share_ to the forces, and take the accelerations by all of them.
-void Sticking::hold(const std::vector<int>& which) {
-    release();
-    for (std::size_t i = 0; i < which.size(); ++i) add_force(contacts_[which[i]], share_[i]);
+// Add the rest forces given by share_, and compute the accelerations by all forces.
+void Sticking::add_rest_forces(const std::vector<int>& indices) {
+    remove_rest_forces();
+    for (std::size_t i = 0; i < indices.size(); ++i) add_force(contacts_[indices[i]], share_[i]);
     mechanics_.accelerate();
 }
 
-// What the forces on all that rests are, as parts of their bounds.
+// Find the forces of the resting contacts, as shares of their bounds, without regard to the bounds.
 void Sticking::find_shares(double t, const double* y) {
-    slide(t, y);
+    load_sliding(t, y);
     if (resting_.empty()) return;
-    respond(resting_);
+    set_response(resting_);
     box_.minimise_free(response_, pull_, share_);
 }
 
 void Sticking::forces(double t, const double* y) {
     find_shares(t, y);
-    if (!resting_.empty()) hold(resting_);
+    if (!resting_.empty()) add_rest_forces(resting_);
     mechanics_.find_joint_forces();
 }
 
-// Impulses that leave no speed: the response to a force for a second is that to its impulse.
-void Sticking::put_to_rest(const std::vector<int>& which, double* y) {
-    const std::size_t k = which.size();
-    std::vector<double> moving(k);
+// Stop the contacts by impulses. The response to a force during 1 s is that to an impulse.
+void Sticking::put_to_rest(const std::vector<int>& indices, double* y) {
+    const std::size_t k = indices.size();
+    std::vector<double> speeds(k);
     for (std::size_t i = 0; i < k; ++i)
-        moving[i] = contacts_[which[i]].dry * speed(contacts_[which[i]]);
-    release();
+        speeds[i] = contacts_[indices[i]].dry * speed(contacts_[indices[i]]);
+    remove_rest_forces();
     mechanics_.accelerate();
     const std::vector<double> ax = chain_.ax, ay = chain_.ay, alpha = chain_.alpha;
-    box_.minimise_free(response_, moving, share_);
-    hold(which);
+    box_.minimise_free(response_, speeds, share_);
+    add_rest_forces(indices);
     for (int i = 0; i < chain_.n(); ++i) {
         chain_.vx[i] += chain_.ax[i] - ax[i];
         chain_.vy[i] += chain_.ay[i] - ay[i];
@@ -169,52 +169,52 @@ void Sticking::put_to_rest(const std::vector<int>& which, double* y) {
     mechanics_.write_state(chain_, y);
 }
 
-void Sticking::find(double t, double* y) {
+void Sticking::find_modes(double t, double* y) {
     mechanics_.fill_chain(t, y);
     std::vector<int> slow;
     std::vector<double> share;
-    std::vector<int> went;  // which way before
+    std::vector<int> last_sign;
     for (std::size_t w = 0; w < contacts_.size(); ++w) {
         const double v = speed(contacts_[w]);
         const bool rested = contacts_[w].sign == 0 && has_modes_;
-        // time has a resolution: under strong forces the speed passes at_rest within it
-        const bool turned = has_modes_ && contacts_[w].sign * v < 0;
-        const double slowly = (turned ? kRest.reversed : 1) * at_rest_;
-        if (contacts_[w].dry > 0 && (rested || std::fabs(v) <= slowly)) {
+        // Under strong forces the speed exceeds rest_speed_ within the resolution of time.
+        const bool reversed = has_modes_ && contacts_[w].sign * v < 0;
+        const double limit = (reversed ? kRest.reversed : 1) * rest_speed_;
+        if (contacts_[w].dry > 0 && (rested || std::fabs(v) <= limit)) {
             slow.push_back(static_cast<int>(w));
             share.push_back(rested ? contacts_[w].share : -contacts_[w].sign);
-            went.push_back(has_modes_ ? contacts_[w].sign : 0);
+            last_sign.push_back(has_modes_ ? contacts_[w].sign : 0);
             contacts_[w].sign = 0;
         } else {
             contacts_[w].sign = v > 0 || (v == 0 && contacts_[w].sign >= 0) ? 1 : -1;
         }
-        contacts_[w].wrong = 0;
+        contacts_[w].reverse_speed = 0;
     }
     has_modes_ = true;
     resting_.clear();
     if (slow.empty()) return;
-    slide(t, y);
-    respond(slow);
+    load_sliding(t, y);
+    set_response(slow);
     put_to_rest(slow, y);
-    slide(t, y);
-    respond(slow);
+    load_sliding(t, y);
+    set_response(slow);
     box_.minimise(response_, pull_, share);
     for (std::size_t i = 0; i < slow.size(); ++i) {
-        Contact& w = contacts_[slow[i]];
-        w.share = share[i];
-        const bool stopped = share[i] == -went[i];  // errors would let it go on for a moment
+        Contact& contact = contacts_[slow[i]];
+        contact.share = share[i];
+        // A contact that just stopped may need the whole bound; rounding must not let it slide on.
+        const bool stopped = share[i] == -last_sign[i];
         if (std::fabs(share[i]) == 1 && !(stopped && excess(share, i) <= 1e-10)) {
-            w.sign = share[i] > 0 ? -1 : 1;
-            // impulses cannot take the speed of more contacts than there are freedoms
-            w.wrong = std::max(0.0, -w.sign * speed(w));
+            contact.sign = share[i] > 0 ? -1 : 1;
+            // Impulses cannot stop more contacts than there are degrees of freedom.
+            contact.reverse_speed = std::max(0.0, -contact.sign * speed(contact));
         } else {
             resting_.push_back(slow[i]);
         }
     }
 }
 
-// By how much of its bound the force on a contact would have to be larger for the contact to rest;
-// respond() has been called.
+// The force that a contact lacks to stay at rest, over its bound; call set_response() first.
 double Sticking::excess(const std::vector<double>& share, std::size_t i) const {
     const std::size_t k = share.size();
     double pull = pull_[i];
@@ -227,22 +227,23 @@ void Sticking::margins(double t, const double* y, std::vector<double>& margin) {
     margin.assign(contacts_.size(), 0.0);
     for (std::size_t w = 0; w < contacts_.size(); ++w)
         if (contacts_[w].sign != 0)
-            margin[w] = 1 + (contacts_[w].sign * speed(contacts_[w]) + contacts_[w].wrong) /
-                                (kRest.backward * at_rest_);
+            margin[w] = 1 + (contacts_[w].sign * speed(contacts_[w]) + contacts_[w].reverse_speed) /
+                                (kRest.backward * rest_speed_);
     const std::vector<int>& resting = resting_;
     if (resting.empty()) return;
-    const bool all_hold = others_hold();
+    const bool all_rest = find_bounded_shares();
     for (std::size_t i = 0; i < resting.size(); ++i) {
-        Contact& w = contacts_[resting[i]];
-        w.share = share_[i];
+        Contact& contact = contacts_[resting[i]];
+        contact.share = share_[i];
         margin[resting[i]] =
-            1 + (all_hold ? 0 : w.breakaway_ratio * (1 - std::fabs(share_[i])) / kRest.excess);
+            1 +
+            (all_rest ? 0 : contact.breakaway_ratio * (1 - std::fabs(share_[i])) / kRest.excess);
     }
 }
 
-// Whether forces within the bounds hold all that rests, though the smallest ones do not: where more
-// hold than are needed, others take what one of them cannot.
-bool Sticking::others_hold() {
+// If the least forces exceed a bound, find others within the bounds that also keep all contacts at
+// rest: this may be possible if there are more contacts than needed. Whether there are such forces.
+bool Sticking::find_bounded_shares() {
     const auto beyond = [](double z) { return std::fabs(z) > 1; };
     const std::size_t k = resting_.size();
     if (std::none_of(share_.begin(), share_.begin() + static_cast<long>(k), beyond)) return false;
@@ -257,7 +258,7 @@ bool Sticking::others_hold() {
 bool Sticking::creeps(double t, const double* y) {
     mechanics_.fill_chain(t, y);
     return std::any_of(resting_.begin(), resting_.end(), [&](int w) {
-        return std::fabs(speed(contacts_[w])) > kRest.creep * at_rest_;
+        return std::fabs(speed(contacts_[w])) > kRest.creep * rest_speed_;
     });
 }
 

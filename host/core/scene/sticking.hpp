@@ -1,23 +1,23 @@
-// Set-valued dry friction for explicit mechanics: wheels rest or slide.
+// Set-valued dry friction for explicit mechanics: every contact rests or slides.
 //
-// Every link has two directions, along and across, in which it rests or slides one way or the
-// other: the mode. A direction that slides has its dry force; those that rest have the forces z mu,
-// |z| <= 1, that keep them at rest. Accelerations are linear in the forces, so with G the wheels'
-// directions, W = G M^-1 G^T (one solution of the system for each resting direction) and a the
-// acceleration of the directions without those forces, they solve  W mu z = -a:  in a mode the
-// motion is smooth, and methods of high order step it.
+// Every link has two contacts, along and across, each of which rests, slides forwards or slides
+// backwards: the mode. A sliding contact has its dry friction; resting ones have the forces z mu,
+// |z| <= 1, that keep them at rest. Accelerations are linear in the forces. With the directions G
+// of the resting contacts, W = G M^-1 G^T (one solution of the system for each of them), and their
+// accelerations a without these forces, the forces solve  W mu z = -a.  Within a mode the motion is
+// smooth, and methods of high order apply.
 //
-// At the end of a mode the forces on all that is at rest are found anew: they minimise
+// At the end of a mode the forces on the contacts at rest are computed again: they minimise
 //     1/2 (mu z).W (mu z) + (mu z).a  over |z| <= 1     (box_quadratic.hpp),
 // which is Gauss's principle of least constraint with dry friction in it. A contact whose force is
 // inside its bound rests; one at its bound slides, against the force. There is no smoothing width.
 //
-// Gears hold like wheels: the speed of such a contact is that of its joint times a link's length,
-// its force the torque over that length.
+// The dry friction of gears is treated in the same way: the speed of such a contact is the rate of
+// its joint times the length of a link, its force the torque divided by this length.
 //
-// A ratchet's links have the mean of both directions as mu and half the difference as a constant
-// thrust; its viscous friction is that of the mode, and a wheel without dry friction reverses when
-// it stops, without a rest.
+// For a ratchet, mu is the mean of both directions, and half of their difference is a constant
+// thrust. Its viscous friction is that of the mode. A wheel without dry friction reverses without
+// resting.
 #pragma once
 
 #include <vector>
@@ -30,48 +30,50 @@ namespace serpenoid {
 
 class Sticking {
   public:
-    // The mechanics have all but the dry friction, and the mean viscous friction of a ratchet.
+    // mechanics: without dry friction, and with the mean viscous friction of a ratchet.
     Sticking(Mechanics& mechanics, const RunRequest& request);
 
-    // The chain with all its forces, in the present modes.
+    // Fill the chain with all forces in the present modes.
     void forces(double t, const double* y);
-    // Find the modes that follow on a state; what rests in them is put to rest in it.
-    void find(double t, double* y);
-    // How far each part is from the end of its mode: negative beyond, -1 the aim when it ends.
+    // Find the modes after a state, and bring the resting contacts exactly to rest in it.
+    void find_modes(double t, double* y);
+    // The distance of every contact from the end of its mode; negative after it. Ends are located
+    // at -1.
     void margins(double t, const double* y, std::vector<double>& margin);
-    // Whether what rests has crept by the errors of the steps, and is to be found anew.
+    // Whether errors of the steps have moved a resting contact so much that find_modes must be
+    // called.
     bool creeps(double t, const double* y);
 
   private:
     enum class Kind : char { along, across, gear };
     struct Contact {
-        int link;  // of a gear: behind it
+        int link;  // for a gear: the link behind the joint
         Kind kind;
-        double dry;              // bound of its force, N
-        double breakaway_ratio;  // friction_law.hpp
-        int sign = 0;            // 0 rests, else which way it slides
-        double share = 0;        // of the bound, while it rests
-        double wrong = 0;        // speed against its sign at the start of the mode, m/s
+        double dry;                // bound of the force, N
+        double breakaway_ratio;    // see friction_law.hpp
+        int sign = 0;              // sign of the sliding speed; 0 at rest
+        double share = 0;          // force over its bound, at rest
+        double reverse_speed = 0;  // speed against the sign at the start of the mode, m/s
     };
-    double speed(const Contact& w) const;
-    double acceleration(const Contact& w) const;
-    void add_force(const Contact& w, double part);
-    void release();
+    double speed(const Contact& contact) const;
+    double acceleration(const Contact& contact) const;
+    void add_force(const Contact& contact, double share);
+    void remove_rest_forces();
     void find_shares(double t, const double* y);
-    void slide(double t, const double* y);
-    void add_ratchet(const Contact& w);
-    void respond(const std::vector<int>& which);
-    void hold(const std::vector<int>& which);
-    bool others_hold();
+    void load_sliding(double t, const double* y);
+    void add_ratchet(const Contact& contact);
+    void set_response(const std::vector<int>& indices);
+    void add_rest_forces(const std::vector<int>& indices);
+    bool find_bounded_shares();
     double excess(const std::vector<double>& share, std::size_t i) const;
-    void put_to_rest(const std::vector<int>& which, double* y);
+    void put_to_rest(const std::vector<int>& indices, double* y);
 
     Mechanics& mechanics_;
     Chain& chain_;
     WheelLaw along_;
-    double length_;           // of a link, m
-    double at_rest_;          // m/s: slower than this, a wheel may rest
-    bool has_modes_ = false;  // modes have been found before
+    double length_;           // length of a link, m
+    double rest_speed_;       // speed below which a contact may rest, m/s
+    bool has_modes_ = false;  // whether modes have been found before
     std::vector<Contact> contacts_;
     std::vector<int> resting_;
     BoxQuadratic box_;

@@ -1,8 +1,8 @@
-// Motion in modes (wheels that rest or slide): smooth steps from one mode's end to the next, by
-// dop853, or by implicit steps once it is stiff.
+// Steps of a motion in modes, in which contacts rest or slide: smooth steps by dop853 from the end
+// of one mode to the end of the next, or by an implicit method if the motion is stiff.
 //
-// A step that went beyond the end of a mode is right up to there: the end is found on its dense
-// output, and the next step starts from it in the modes that follow.
+// A step that passes the end of a mode is correct until this end. The end is located on the dense
+// output of the step, and the next step starts there in new modes.
 #pragma once
 
 #include <optional>
@@ -17,10 +17,9 @@ namespace serpenoid {
 
 class ModeSteps final : public Method {
   public:
-    // `modes`: those of the system. `scale`, `tolerance`: as Dop853 takes them. `shortest`: s,
-    // below which time counts as standing still.
+    // modes: those of the system. scale, tolerance: see Dop853. min_step: resolution of time, s.
     ModeSteps(System& system, Sticking& modes, const std::vector<double>& scale, double tolerance,
-              double shortest);
+              double min_step);
 
     void restart(double t, const double* y) override;
     StepOutcome step(double t_limit) override;
@@ -31,35 +30,32 @@ class ModeSteps final : public Method {
     double local_error() const override { return smooth_->local_error(); }
 
   private:
-    static constexpr int kSamples = 8;  // samples of a step, for the end of a mode in it
-    static constexpr int kHalvings =
-        10;  // halvings between two samples, for a margin's least value
-    static constexpr int kMostAtOnce =
-        300;                                // ends of modes without progress, before a run gives up
-    static constexpr int kStiffSteps = 12;  // stiff steps, more than others, before implicit ones
-    static constexpr double kNothing =
-        1e3;  // multiple of the shortest time that is no progress yet
+    static constexpr int kSamples = 8;    // samples of a step in the search for the end of a mode
+    static constexpr int kHalvings = 10;  // halvings between two samples in the search for a dip
+    static constexpr int kMaxRepeats = 300;   // ends of modes without progress before a run fails
+    static constexpr int kStiffSteps = 12;    // excess of stiff steps before implicit steps begin
+    static constexpr double kProgress = 1e3;  // time that counts as progress, over min_step_
     struct Sample {
         double t;
         std::vector<double> margin;
         bool ended(double depth = 0) const;
     };
-    void look_for_stiffness();
-    bool ends_between(double start, double end);
-    bool dips(const Sample& a, const Sample& b, const Sample& c, const Sample& d, int halvings);
+    void check_stiffness();
+    bool find_end(double start, double end);
+    bool find_dip(const Sample& a, const Sample& b, const Sample& c, const Sample& d, int halvings);
     double end_of_mode(Sample start, Sample end);
     Sample sample_at(double t);
 
     Sticking& modes_;
     Dop853 explicit_;
     Radau stiff_;
-    Method* smooth_ = &explicit_;  // the one that steps
-    double pays_;                  // decay in an explicit step from which implicit ones pay
+    Method* smooth_ = &explicit_;  // the method of the present step
+    double stiff_decay_;           // decay in an explicit step above which implicit ones are faster
     int stiff_steps_ = 0;
-    double shortest_, t_ = 0, ended_ = 0;
-    int at_once_ = 0;
-    bool ends_ = false;           // the mode, at t_
-    std::optional<Sample> last_;  // of the step before, in the same mode
+    double min_step_, t_ = 0, last_end_ = 0;
+    int repeats_ = 0;
+    bool mode_ends_ = false;             // whether a mode ends at t_
+    std::optional<Sample> last_sample_;  // end of the last step, if it is in the same mode
     std::vector<double> y_, sampled_state_;
 };
 
