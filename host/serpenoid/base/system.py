@@ -1,6 +1,6 @@
-"""What Linux, macOS and Windows do each in its way: locks, keys, signals, programs, ports.
+"""Functions that differ between Linux, macOS and Windows: locks, keys, signals, programs, ports.
 
-The rest of the package imports no module that only some of these systems have.
+Only this module imports modules that some of these systems lack.
 """
 
 from __future__ import annotations
@@ -20,28 +20,28 @@ if TYPE_CHECKING:
 
 WINDOWS = sys.platform == "win32"
 USB = Path("/sys/bus/usb/devices")
-LOCK_OFFSET = 1 << 30  # a lock there hides nothing that is written in the file
-NAP_S = 0.01  # between two looks for a key of Windows
-KEYS_OF_WINDOWS = {"H": "\x1b[A", "P": "\x1b[B", "M": "\x1b[C", "K": "\x1b[D"}
+LOCK_OFFSET = 1 << 30  # Locked byte of Windows, beyond the end of the files that are locked.
+NAP_S = 0.01  # Time between two polls of the keyboard on Windows.
+ARROW_KEYS = {"H": "\x1b[A", "P": "\x1b[B", "M": "\x1b[C", "K": "\x1b[D"}
 
 
 def signals(*names: str) -> tuple[signal.Signals, ...]:
-    """Return those of the named signals that this system has."""
+    """Return the named signals that this system has."""
     return tuple(getattr(signal, name) for name in names if hasattr(signal, name))
 
 
-ENDING = signals("SIGTERM", "SIGHUP", "SIGQUIT", "SIGBREAK")  # they would kill without a word
+ENDING = signals("SIGTERM", "SIGHUP", "SIGQUIT", "SIGBREAK")  # They end a program.
 SUSPENDING = signals("SIGTSTP")  # Ctrl-Z
 
 
 def lock(fd: int) -> bool:
-    """Lock an open file for this process alone; return False where another one has it."""
-    with suppress(ImportError):  # then nothing is locked
+    """Lock an open file for this process; return False if another process has locked it."""
+    with suppress(ImportError):  # Without fcntl nothing is locked.
         try:
             if WINDOWS:
                 import msvcrt
 
-                console: Any = msvcrt  # whose functions other systems do not have
+                console: Any = msvcrt  # Type checkers know it on Windows only.
                 os.lseek(fd, LOCK_OFFSET, os.SEEK_SET)
                 console.locking(fd, console.LK_NBLCK, 1)
             else:
@@ -55,10 +55,10 @@ def lock(fd: int) -> bool:
 
 @contextmanager
 def single_keys() -> Iterator[None]:
-    """Let the terminal at standard input give each key at once, unseen; Ctrl-Z is a key, too."""
+    """Let the terminal at standard input pass each key at once, without echo, Ctrl-Z too."""
     try:
         import termios
-    except ImportError:  # Windows gives single keys anyway
+    except ImportError:  # Windows passes single keys anyway.
         yield
         return
     fd = sys.stdin.fileno()
@@ -69,14 +69,14 @@ def single_keys() -> Iterator[None]:
     try:
         yield
     finally:
-        with suppress(termios.error):  # it may be gone
+        with suppress(termios.error):  # The terminal may be closed.
             termios.tcsetattr(fd, termios.TCSANOW, original)
 
 
 def read_input(timeout_s: float) -> bytes | None:
-    """Return what came on standard input, b"" at its end, None if nothing came in time.
+    """Return bytes from standard input, b"" at its end, None if none came within timeout_s.
 
-    Windows waits for a pipe as long as it takes.
+    On Windows the timeout does not apply to pipes.
     """
     if WINDOWS and sys.stdin.isatty():
         return _read_console(timeout_s)
@@ -84,13 +84,13 @@ def read_input(timeout_s: float) -> bytes | None:
 
     if not WINDOWS and not select.select([sys.stdin], [], [], timeout_s)[0]:
         return None
-    with suppress(OSError):  # a terminal that was closed has ended, too
+    with suppress(OSError):  # A closed terminal counts as the end of input.
         return os.read(sys.stdin.fileno(), 4096)
     return b""
 
 
 def forget_input() -> None:
-    """Drop what was typed ahead at the terminal."""
+    """Discard input that was typed ahead at the terminal."""
     if WINDOWS:
         while _read_console(0.0):
             pass
@@ -103,20 +103,20 @@ def forget_input() -> None:
 def _read_console(timeout_s: float) -> bytes | None:
     import msvcrt
 
-    console: Any = msvcrt  # whose functions other systems do not have
+    console: Any = msvcrt  # Type checkers know it on Windows only.
     end_s = time.monotonic() + timeout_s
     while not console.kbhit():
         if time.monotonic() >= end_s:
             return None
         time.sleep(NAP_S)
     key = console.getwch()
-    if key in "\0\xe0":  # an arrow or the like: its name comes next
-        key = KEYS_OF_WINDOWS.get(console.getwch(), "")
+    if key in "\0\xe0":  # The prefix of an arrow or function key.
+        key = ARROW_KEYS.get(console.getwch(), "")
     return {"\x03": "", "\x1a": "\x04"}.get(key, key).encode()
 
 
 def start_group(command: list[str], env: Mapping[str, str]) -> subprocess.Popen[bytes]:
-    """Start a program in a group of its own, which Ctrl-C at the terminal does not reach."""
+    """Start a program in a separate process group, which Ctrl-C at the terminal does not reach."""
     return subprocess.Popen(
         command,
         stdin=subprocess.DEVNULL,
@@ -129,7 +129,7 @@ def start_group(command: list[str], env: Mapping[str, str]) -> subprocess.Popen[
 
 
 def end_group(process: subprocess.Popen[bytes], grace_s: float) -> None:
-    """End a program and all that it has started, in order first and then by force."""
+    """End a program and all processes that it has started; kill them after grace_s."""
     with suppress(ProcessLookupError, subprocess.TimeoutExpired):
         if WINDOWS:
             process.send_signal(getattr(signal, "CTRL_BREAK_EVENT", signal.SIGTERM))
@@ -144,9 +144,9 @@ def end_group(process: subprocess.Popen[bytes], grace_s: float) -> None:
 
 
 def exclude_others(port: HasFileno, exclude: bool) -> None:
-    """Keep other programs out of a serial port that is open here, or let them in again."""
-    # It belongs to the terminal and would outlive this program where another has it open as well.
-    with suppress(ImportError, OSError):  # a system whose ports are exclusive anyway; unplugged
+    """Forbid other programs to open a serial port that is open here, or allow it again."""
+    # The lock belongs to the port: it outlives this program if another one has the port open too.
+    with suppress(ImportError, OSError):  # Ports of Windows are exclusive; a port may be unplugged.
         import fcntl
         import termios
 
@@ -154,7 +154,7 @@ def exclude_others(port: HasFileno, exclude: bool) -> None:
 
 
 def group_of(path: str) -> str | None:
-    """Return the group that a file belongs to, None where that is not known."""
+    """Return the name of the group that owns a file; None if it is unknown."""
     with suppress(ImportError, OSError, KeyError):
         import grp
 
@@ -163,12 +163,12 @@ def group_of(path: str) -> str | None:
 
 
 def usb_vendors() -> set[str]:
-    """Return the vendors of the USB devices that Linux shows, as hexadecimal numbers."""
+    """Return the vendor ids of the USB devices on Linux, in hexadecimal digits."""
     return {_word(vendor) for vendor in USB.glob("*/idVendor")}
 
 
 def _word(path: Path) -> str:
-    """Return what the system tells in a file of one word; nothing if it is gone."""
+    """Return the text of a small file of the system; "" if it is gone."""
     with suppress(OSError):
         return path.read_text(encoding="utf-8").strip()
     return ""

@@ -1,9 +1,9 @@
-"""Error against run time of every method and of SciPy's solvers, on scenes of both models.
+"""Measure error against run time of every method and of SciPy's solvers, for both models.
 
-Times are processor time of the thread that solves, medians, a simulated second. A run that fails,
-overruns its limit or leaves the finite numbers is a row with the reason. An error is of the end
-state, scaled, against a reference of the same model: what the springs of the implicit model err is
-not in it.
+A time is the median processor time of the solving thread for a simulated second. An error is the
+scaled difference of the end state from a reference of the same model, so that it does not contain
+the modelling error of the implicit model's springs. A run that fails, takes too long or gives
+infinite numbers is a row with the reason.
 """
 
 from __future__ import annotations
@@ -29,15 +29,17 @@ from . import scipy_peer
 from .child_process import Limited
 from .problems import Array, Problem, problems, reference
 
-PEER = "SciPy "  # Beginning of the names of its methods.
+PEER = "SciPy "  # Start of the names of SciPy's methods.
 Work = Callable[[], Array]
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """Hold what one method did at one setting; error and time are nan where it failed.
+    """The result of one method at one setting.
 
-    kind: of the setting, "dt_s", "tolerance" or "width_m_s". time_s: for a simulated second.
+    kind: the setting's name, "dt_s", "tolerance" or "width_m_s". error: scaled error of the end
+    state. time_s: processor time of a simulated second. Both are NaN if the run failed, with the
+    reason in note.
     """
 
     scene: str
@@ -51,39 +53,39 @@ class Row:
 
 
 def contenders(problem: Problem) -> list[tuple[str, str, tuple[float, ...]]]:
-    """Return every method of ours and SciPy's, what its settings are, and their values.
+    """Return the name of every method, ours and SciPy's, with its setting's name and values.
 
-    On dry ground the width of the smoothed sign is set of SciPy's.
+    On dry ground the setting of SciPy's methods is the width of the smoothed sign function.
     """
-    scene, ways = problem.scene, []
+    scene, methods = problem.scene, []
     tolerances = "tolerance", (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
     steps = "dt_s", (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
     widths = "width_m_s", (1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6)
     for name, kind in METHODS.items():
         if objection(name, scene) is None:
             setting = tolerances if scene.formulation in kind.adaptive else steps
-            ways.append((name, *setting))
+            methods.append((name, *setting))
     setting = widths if scene.law == "dry" else tolerances
-    return ways + [(PEER + name, *setting) for name in scipy_peer.METHODS]
+    return methods + [(PEER + name, *setting) for name in scipy_peer.METHODS]
 
 
 def work_of(problem: Problem, method: str, kind: str, setting: float) -> Work:
-    """Return the call that is timed, of one method at one setting; it returns the end state."""
+    """Return the function to be timed, which returns the end state of a method at a setting."""
     if method.startswith(PEER):
-        # With a smoothed sign 1e-7 is finer than what the widths leave.
-        how = (1e-7, setting) if kind == "width_m_s" else (setting,)
-        return partial(scipy_peer.solve, problem, method.removeprefix(PEER), *how)
+        # With a smoothed sign the tolerance 1e-7 is well below the error by the width.
+        tolerances = (1e-7, setting) if kind == "width_m_s" else (setting,)
+        return partial(scipy_peer.solve, problem, method.removeprefix(PEER), *tolerances)
     scene = problem.scene
-    if kind == "dt_s":  # the duration is a whole number of steps
+    if kind == "dt_s":  # The duration must be a whole number of steps.
         setting = scene.duration_s / max(1, round(scene.duration_s / setting))
     changes: dict[str, Any] = {"method": method, "start": problem.start, kind: setting}
     scene = replace(scene, record_every=10**9, **changes)
     return lambda: problem.vector(simulate(scene).state())
 
 
-@np.errstate(all="ignore")  # what overflows in SciPy ends as a row
+@np.errstate(all="ignore")  # An overflow in SciPy becomes a row with a note.
 def _timed(problem: Problem, work: tuple[str, str, float], rounds: int) -> tuple[float, float]:
-    """Return the error and the time of a run: the median of rounds, or of one if it is long."""
+    """Return error and time of a run; the time is a median over rounds if the run is short."""
     call = work_of(problem, *work)
     begin_s = time.thread_time()
     end = call()
@@ -100,9 +102,9 @@ def _timed(problem: Problem, work: tuple[str, str, float], rounds: int) -> tuple
 
 
 def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Row]:
-    """Yield a row for each method and setting; past one that overran, tighter ones are not tried.
+    """Yield a row for each method and setting; after an overrun, finer settings are not tried.
 
-    A fixed step refused as too long does not end the row: a shorter one may be right.
+    After a fixed step that was refused as too long, they are. tell: called with a line of progress.
     """
     limit_s, rounds, computer = (3.0, 3, machine()) if quick else (1.0, 5, machine())
     with Limited() as child:
@@ -127,7 +129,10 @@ def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Row]:
 
 
 def time_at(error: float, rows: Sequence[Row]) -> float:
-    """Return the time that reaches an error, between settings by logarithms; inf: none does."""
+    """Return the time at which a method reaches an error, inf if it never does.
+
+    It is interpolated between the settings of rows, in logarithms.
+    """
     reached = sorted((max(row.error, 1e-300), row.time_s) for row in rows if row.error >= 0)
     if not reached or reached[0][0] > error:
         return math.inf
@@ -136,7 +141,7 @@ def time_at(error: float, rows: Sequence[Row]) -> float:
 
 
 def table(rows: Sequence[Row]) -> str:
-    """Return a Markdown table of ms of processor time a simulated second at an error of 1e-6."""
+    """Return a Markdown table: processor time, ms, of a simulated second at an error of 1e-6."""
     lines: dict[tuple[str, str], list[Row]] = {}
     for row in sorted(rows, key=lambda row: PEER in row.method):
         lines.setdefault((row.method, row.scene), []).append(row)
@@ -144,8 +149,8 @@ def table(rows: Sequence[Row]) -> str:
     scenes = dict.fromkeys(row.scene for row in rows)
 
     def best(scene: str, peer: bool) -> float:
-        ways = [way for way in times_ms if way[1] == scene and (PEER in way[0]) == peer]
-        return min((times_ms[way] for way in ways), default=math.inf)
+        keys = [key for key in times_ms if key[1] == scene and (PEER in key[0]) == peer]
+        return min((times_ms[key] for key in keys), default=math.inf)
 
     def cell(value: float | None) -> str:
         if value is None:
@@ -161,7 +166,7 @@ def table(rows: Sequence[Row]) -> str:
 
 
 def machine() -> str:
-    """Return the processor and the compiler that a timing depends on."""
+    """Return the names of processor and compiler, on which times depend."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
     except OSError:

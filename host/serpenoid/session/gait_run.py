@@ -1,4 +1,4 @@
-"""The crawling robot: the kinds `gait`, timed between marks, and `video`, measured in a film."""
+"""Readings of the crawling robot: kind `gait`, timed between marks, and `video`, from a film."""
 
 from __future__ import annotations
 
@@ -16,11 +16,12 @@ from .track import Track
 
 @dataclass(frozen=True)
 class Crawl(Observation):
-    """One measured speed of the crawling robot, on level ground of the session's surface.
+    """One measured speed of the crawling robot on the session's surface.
 
-    omega_rad_s: the true rate, by the board's clock or the film. speed_m_s: of the robot over
-    ground, 0 where it got nowhere. way: along the line of the pushes, on a floor that may slope, or
-    on level ground.
+    alpha_rad, beta_rad: the commanded amplitude and phase lag. omega_rad_s: the true rate, by the
+    board's clock or the film. speed_m_s, speed_sigma_m_s: speed over ground and its standard
+    deviation. way: "level" for level ground; "there" or "back", the direction along the line of the
+    pushes, for a floor that may slope.
     """
 
     alpha_rad: float = number_field(0.0, 180.0)
@@ -32,12 +33,12 @@ class Crawl(Observation):
 
     @property
     def commanded(self) -> Gait:
-        """Return the gait that was commanded, at its true rate."""
+        """Return the commanded gait, at its true rate."""
         return Gait(self.alpha_rad, self.beta_rad, self.omega_rad_s)
 
     @property
     def gait(self) -> Gait:
-        """Return the gait that the joints made, as far as anybody saw."""
+        """Return the gait of the joints: as filmed, else as commanded."""
         return self.commanded
 
 
@@ -45,8 +46,7 @@ class Crawl(Observation):
 class GaitRun(Crawl):
     """A crawl that was timed over a marked distance.
 
-    distance_m, duration_s: what the speed follows from, None where it was given itself. Raises
-    BadInput.
+    distance_m, duration_s: distance and time of the measured speed; None if the speed was entered.
     """
 
     kind = "gait"
@@ -60,7 +60,7 @@ class GaitRun(Crawl):
 
     @classmethod
     def derived(cls, cells: dict[str, Any], watch: Instruments) -> dict[str, Any]:
-        """Put in the speed that distance and time give, unless it is given itself."""
+        """Return the cells with the speed from distance and time, unless they have a speed."""
         columns = "distance_m", "duration_s"
         missing = [column for column in columns if column not in cells]
         if len(missing) == len(columns) or "speed_m_s" in cells:
@@ -79,11 +79,12 @@ class GaitRun(Crawl):
 
 @dataclass(frozen=True)
 class FilmReading(Crawl):
-    """A crawl as a film showed it.
+    """A crawl measured in a film.
 
-    alpha_rad, beta_rad: commanded, or where nobody told, the mean of what was seen. offset_rad:
-    seen. gains, shifts_deg: of every joint beside the commanded sine, tail first, between commas:
-    amplitude as a factor, phase in degrees. film_sha256: of the film's file. Raises BadInput.
+    alpha_rad, beta_rad: as commanded; if unknown, the mean over the filmed joints. offset_rad: as
+    filmed. gains, shifts_deg: for each joint from the tail, separated by commas: ratio of the
+    filmed to the commanded amplitude, and phase relative to the command, deg. film_sha256: hash of
+    the film's file. Raises BadInput if gains and shifts_deg do not fit each other.
     """
 
     kind = "video"
@@ -101,7 +102,7 @@ class FilmReading(Crawl):
 
     @property
     def gait(self) -> Gait:
-        """Return the gait that the joints made."""
+        """Return the gait of the joints as filmed."""
         gains, shifts = self._joints
         return replace(
             self.commanded,
@@ -112,7 +113,7 @@ class FilmReading(Crawl):
 
     @property
     def _joints(self) -> tuple[list[float], list[float]]:
-        """Return gains and shifts, degrees, one a joint; raises BadInput."""
+        """Return the gain and the phase shift, deg, of each joint; raises BadInput."""
         try:
             gains, shifts = (
                 [float(part) for part in text.split(",")] for text in (self.gains, self.shifts_deg)
@@ -127,7 +128,7 @@ class FilmReading(Crawl):
         return gains, shifts
 
     def in_words(self) -> tuple[str, str]:
-        """Return title and values."""
+        """Return (title, values) for tables."""
         return f"film {gait_name(self.commanded)}", (
             f"{self.speed_m_s:.5f} ± {self.speed_sigma_m_s:.5f} m/s, "
             f"joints {100 * mean(self.gait.joint_gain):.1f} %"

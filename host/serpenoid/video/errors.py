@@ -1,8 +1,9 @@
-"""Standard deviations of a film's numbers: what the pixels leave, and what the camera's fit leaves.
+"""Standard uncertainties of the numbers that are measured in a film.
 
-Pixels: residuals are taken as they are, slow ones included: the variance of a least-squares fit
-times their correlation factor. Camera: each of its unknowns moves the whole track; the motion is
-fitted again along each, and the camera's covariance is carried over.
+Errors of single pixels: the variance of the least-squares fit of the motion, times a factor for the
+correlation of the residuals. Errors of the fitted camera: its covariance is propagated by fitting
+the motion again to tracks that are moved along its principal directions. Systematic errors of
+cameras and codecs: lower bounds that were found with rendered films.
 """
 
 from __future__ import annotations
@@ -28,37 +29,37 @@ def number_sigmas(
     picked: Places,
     joint_shares: Array,
 ) -> Array:
-    """Return the standard deviations of `Motion.numbers`, in their order.
+    """Return the standard uncertainties of `Motion.numbers`, in their order.
 
-    sample: the track in the frames `picked`, with how it follows the camera's unknowns.
-    joint_shares: of the frames, in which each joint is known.
+    sample: the track in the frames `picked`, with its derivatives by the camera's parameters.
+    joint_shares: (joints,), share of the frames in which each joint is known.
     """
     amplitude, count = motion.amplitude_rad, len(motion.amplitude_rad)
-    # What a slow readout does, which to first order is allowed for: each joint's part of it, as a
-    # phase; and the share of speed and rate that it takes off or adds.
+    # A rolling shutter reads the rows of a frame one after the other. The fit corrects this to
+    # first order; the size of the correction is a phase of each joint, and a relative change of
+    # speed and rate (sweep).
     readout_s, height = bundle.camera.readout_s, sightings.image_px[1]
     rows = np.ma.masked_invalid(sightings.corners_px[..., 1]).mean(axis=(0, 2)) / height - 0.5
     delay = readout_s * motion.omega_rad_s * 0.5 * (rows[1:] + rows[:-1])
     first, last = bundle.camera.plane_px(sample.states[[0, -1], :2])[:, 1] / height
     delay_rad, sweep = np.ma.filled(delay, 0.0), readout_s * (last - first) / np.ptp(sample.t_s)
-    # A codec draws each picture on the one before, and takes a little of the motion: amplitudes
-    # come out low (rendered films coded at crf 20; not coded at crf 1). By .07 % for tags of 28 px,
-    # .14 % of 20 px, .17 % of 15 px: what is lost in pixels grows as tags get small beside the
-    # codec's blocks, and the angle is that over the tag's side.
-    coded = max(1.0, (28.0 / float(np.nanmedian(sightings.side_px))) ** 2)
-    # No phone was ever held against a rule: the lens is not the two terms of the model. Of the
-    # readout's sweep rendered films leave .05 in the rate and .2 in the speed.
+    # A codec predicts each frame from the one before and loses a little of the motion. In rendered
+    # films at crf 20 amplitudes come out low by 0.07 % with tags of 28 px, 0.14 % with 20 px and
+    # 0.17 % with 15 px; at crf 1 they do not.
+    codec_factor = max(1.0, (28.0 / float(np.nanmedian(sightings.side_px))) ** 2)
+    # Smallest uncertainties, since the lens of a phone has more than the model's two terms. In
+    # rendered films 0.05 of the sweep remains as an error of the rate, and 0.2 of it in the speed.
     floor = [
         [0.05 * sweep * motion.omega_rad_s],
-        coded * np.hypot(np.radians(0.02), 6e-4 * amplitude),
+        codec_factor * np.hypot(np.radians(0.02), 6e-4 * amplitude),
         np.full(count - 1, np.radians(0.03)),
-        np.full(count, np.radians(0.01)),  # A centre is a mean: it has no share of what moves.
+        np.full(count, np.radians(0.01)),  # The mean angle does not suffer from the codec.
         [np.radians(0.03), np.hypot(1.5e-4, 0.2 * sweep) * motion.speed_m_s, np.radians(0.003)],
     ]
-    camera = _of_camera(bundle, sample, motion, picked)
-    sigmas = np.sqrt(_of_pixels(motion) ** 2 + camera**2 + np.concatenate(floor) ** 2)
-    # What a slow readout and missing tags leave, of amplitudes and phases: .02 of the readout's
-    # phase is left by rows along the travel (rendered films).
+    camera = _camera_sigmas(bundle, sample, motion, picked)
+    sigmas = np.sqrt(_pixel_sigmas(motion) ** 2 + camera**2 + np.concatenate(floor) ** 2)
+    # Uncertainties of amplitudes and phases from the rolling shutter, of whose phase 0.02 remains
+    # in rendered films, and from frames in which tags are missing.
     phase_shares = np.minimum(joint_shares[1:], joint_shares[0])
     lags = [0.5 * delay_rad**2 * amplitude, 0.02 * (delay_rad[1:] - delay_rad[0])]
     joints = slice(1, 2 * count)
@@ -67,47 +68,50 @@ def number_sigmas(
     return sigmas
 
 
-def _of_pixels(motion: Motion) -> Array:
-    """Return what the residuals of joints and path leave open."""
-    m = motion
-    amplitude, phase, offset, rate = np.zeros((4, len(m.phase_rad)))
-    columns = m.coefficients.T, m.joint_residual_rad.T, m.weight.T, m.phase_rad
-    for i, (sine, residual, weight, phase_rad) in enumerate(zip(*columns, strict=True)):
-        cov = sine_covariance(m.t_s, m.omega_rad_s, sine, residual, weight)
-        s, c = np.sin(phase_rad), np.cos(phase_rad)
-        rotated = np.array([[s, c], [c, -s]])
-        amplitude[i], phase[i] = np.sqrt(np.diag(rotated @ cov[1:3, 1:3] @ rotated.T))
-        offset[i], rate[i] = np.sqrt(np.diag(cov)[[0, -1]])
-    phase /= np.maximum(m.amplitude_rad, 1e-9)
+def _pixel_sigmas(motion: Motion) -> Array:
+    """Return the standard uncertainties from the residuals of joints and path."""
+    t_s, omega_rad_s = motion.t_s, motion.omega_rad_s
+    amplitude, phase, offset, rate = np.zeros((4, len(motion.phase_rad)))
+    columns = motion.coefficients.T, motion.joint_residual_rad.T, motion.weight.T, motion.phase_rad
+    for joint, (sine, residual, weight, phase_rad) in enumerate(zip(*columns, strict=True)):
+        covariance = sine_covariance(t_s, omega_rad_s, sine, residual, weight)
+        sin, cos = np.sin(phase_rad), np.cos(phase_rad)
+        # Derivatives of amplitude, and of phase times amplitude, by the two coefficients.
+        polar = np.array([[sin, cos], [cos, -sin]])
+        variances = np.diag(polar @ covariance[1:3, 1:3] @ polar.T)
+        amplitude[joint], phase[joint] = np.sqrt(variances)
+        offset[joint], rate[joint] = np.sqrt(np.diag(covariance)[[0, -1]])
+    phase /= np.maximum(motion.amplitude_rad, 1e-9)
     omega = 1 / np.sqrt(np.sum(1 / np.maximum(rate, 1e-12) ** 2))
     weight = motion.path_weight
     root = np.sqrt(weight)[:, None]
-    a = path_basis(motion.t_s, m.omega_rad_s, m.turn_rad_s) * root
-    rotation = np.exp(-1j * np.arctan2(m.velocity_m_s[1], m.velocity_m_s[0]))
+    path = path_basis(t_s, omega_rad_s, motion.turn_rad_s) * root
+    heading = np.column_stack([basis(t_s, omega_rad_s), t_s]) * root
+    rotation = np.exp(-1j * np.arctan2(motion.velocity_m_s[1], motion.velocity_m_s[0]))
     along_path = motion.path_residual_m * rotation
-    b = np.column_stack([basis(motion.t_s, m.omega_rad_s), motion.t_s]) * root
-    spread = np.linalg.pinv((a.conj().T @ a).real)[1, 1]
+    path_inverse = np.linalg.pinv((path.conj().T @ path).real)[1, 1]
+    heading_inverse = np.linalg.pinv(heading.T @ heading)[-1, -1]
     along, across, turn = (
-        np.sqrt(mean_variance(residual, weight, unknowns) * factor)
-        for residual, unknowns, factor in (
-            (along_path.real, 5, spread),
-            (along_path.imag, 5, spread),
-            (motion.heading_residual_rad, 8, np.linalg.pinv(b.T @ b)[-1, -1]),
+        np.sqrt(mean_variance(residual, weight, parameters) * inverse)
+        for residual, parameters, inverse in (
+            (along_path.real, 5, path_inverse),
+            (along_path.imag, 5, path_inverse),
+            (motion.heading_residual_rad, 8, heading_inverse),
         )
     )
-    direction = across / max(m.speed_m_s, 1e-9)
+    direction = across / max(motion.speed_m_s, 1e-9)
     lags = np.hypot(phase[1:], phase[0])
     return np.concatenate([[omega], amplitude, lags, offset, [direction, along, turn]])
 
 
-def _of_camera(bundle: Bundle, track: Track, motion: Motion, picked: Places) -> Array:
-    """Return what the camera's covariance leaves open.
+def _camera_sigmas(bundle: Bundle, track: Track, motion: Motion, picked: Places) -> Array:
+    """Return the standard uncertainties from the covariance of the camera's parameters.
 
-    Along the covariance's own directions: focal length and distance alone bend the track by many
-    degrees, together by hundredths.
+    The track is moved along the eigenvectors of their correlation: focal length and distance alone
+    bend the track by many degrees, together by hundredths.
     """
     assert track.by_shared is not None
-    step = 0.3  # Difference, in standard deviations, by which the camera's doubt is carried on.
+    step = 0.3  # Difference for the derivatives, in standard deviations.
     weights = motion.weight[picked], motion.path_weight[picked]
 
     def numbers(states: Array) -> Array:

@@ -1,4 +1,4 @@
-"""The sheet of tags to print, in true size: cut lines, numbers, which way the head is, a ruler."""
+"""Draw the sheet of tags to print in true size, with cut lines, numbers, arrows and a ruler."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ def tag_sheet(
 ) -> None:
     """Write the sheet, one page, as PDF, PNG or SVG.
 
-    cells: each link's tag, tail first. side_m: of the black square. Raises BadInput where the tags
+    cells: for each link from the tail the tag's white cells, (cells, cells). side_m: side of the
+    black square. link_m: length of a link. paper: a key of PAPERS_MM. Raises BadInput if the tags
     do not fit on the page.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -33,7 +34,7 @@ def tag_sheet(
 
     width, height = PAPERS_MM[paper]
     side_mm, top = 1e3 * side_m, height - MARGIN_MM
-    places = _places(len(cells), side_mm, paper)
+    corners = _corners(len(cells), side_mm, paper)
     fig = Figure(figsize=(width / 25.4, height / 25.4))
     FigureCanvasAgg(fig)
     ax = fig.add_axes((0, 0, 1, 1))
@@ -51,8 +52,8 @@ def tag_sheet(
         "the tail's and the head's tag."
     )
     ax.text(MARGIN_MM, top - 8, words, fontsize=8.2, va="top", linespacing=1.45)
-    for k, place in enumerate(places):
-        _tag(ax, cells[k], k + 1, side_mm, *place)
+    for number, (tag, corner) in enumerate(zip(cells, corners, strict=True), 1):
+        _tag(ax, tag, number, side_mm, *corner)
     x, y = MARGIN_MM + 4, MARGIN_MM + 6
     ticks_mm = np.arange(0, 101, 10)
     ax.hlines(y, x, x + 100, color="black", lw=0.8)
@@ -65,12 +66,12 @@ def tag_sheet(
         fig.savefig(part, dpi=300)
 
 
-def _places(count: int, side_mm: float, paper: str) -> list[tuple[float, float]]:
-    """Return the lower left corner of each tag's label, mm."""
+def _corners(count: int, side_mm: float, paper: str) -> list[tuple[float, float]]:
+    """Return x and y of the lower left corner of each tag's label, mm."""
     width, height = PAPERS_MM[paper]
     step = side_mm * (CELLS + 2) / CELLS + 4.0
     columns = int((width - 2 * MARGIN_MM + 4.0) // step)
-    # The words above take 40 mm, the ruler below 26 mm.
+    # The text above takes 40 mm, the ruler below 26 mm.
     rows = int((height - 2 * MARGIN_MM - 66.0) // step)
     if columns * rows < count:
         raise BadInput(
@@ -81,7 +82,10 @@ def _places(count: int, side_mm: float, paper: str) -> list[tuple[float, float]]
 
 
 def _tag(ax: Axes, white: NDArray[np.bool_], number: int, side: float, x: float, y: float) -> None:
-    """Draw one label: rim, cells, cut line, and in the rim number and arrow to the head."""
+    """Draw one label: cut line, tag, and in the white rim its number and an arrow to the head.
+
+    white: (cells, cells), whether a cell is white. side, x, y: in mm.
+    """
     from matplotlib.patches import Rectangle
 
     cell = side / CELLS
@@ -89,9 +93,9 @@ def _tag(ax: Axes, white: NDArray[np.bool_], number: int, side: float, x: float,
     ax.add_patch(Rectangle((x, y), label, label, fill=False, ls=(0, (4, 3)), lw=0.5, ec="#777777"))
     ax.add_patch(Rectangle((x + cell, y + cell), side, side, fc="black", lw=0))
     rows, columns = np.nonzero(white)
-    places = x + cell * (1 + columns), cell, cell, y + cell * (CELLS - rows)
-    ax.bar(*places, align="edge", color="white", lw=0)
-    # Small and pale enough to leave the black square's edge alone.
+    left_mm, bottom_mm = x + cell * (1 + columns), y + cell * (CELLS - rows)
+    ax.bar(left_mm, cell, cell, bottom_mm, align="edge", color="white", lw=0)
+    # The text is small and pale, so that it does not disturb the edges of the black square.
     look: dict[str, Any] = {"color": "#777777", "ha": "center", "va": "center"}
     look["fontsize"] = max(3.0, 0.45 * cell / 25.4 * 72)
     ax.text(x + 0.5 * cell, y + 0.5 * cell, str(number), **look)
