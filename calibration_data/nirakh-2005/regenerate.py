@@ -33,7 +33,7 @@ def rows(setup: Setup) -> list[dict[str, str]]:
     """Return one row a station, inclines rising until the belt would pass its top speed."""
     found: list[dict[str, str]] = []
     how = setup.plan
-    for lambda_rad in how.lambda_rad:
+    for lambda_rad in map(math.radians, how.lambda_deg):
         law = "Eqs. 59 and 62 through Eq. 60" if lambda_rad else "Eq. 59 through Eq. 58"
         for step in count():
             incline_deg = how.incline_start_deg + step * how.incline_step_deg
