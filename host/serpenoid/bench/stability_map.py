@@ -41,10 +41,6 @@ Line = tuple[str, int, float, float, float]
 Axes = tuple[Sequence[int], Sequence[float], Sequence[float], Sequence[float]]
 
 
-def _decades(low: int, high: int, per_decade: int) -> tuple[float, ...]:
-    return tuple(np.logspace(low, high, (high - low) * per_decade + 1).tolist())
-
-
 @dataclass(frozen=True, slots=True)
 class Cell:
     """Hold one cell: growth of a difference over half the steps, and what the rule says.
@@ -138,11 +134,11 @@ def line_of_growth(line: Line, steps_s: Sequence[float], count: int) -> list[flo
 
 def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Cell]:
     """Yield every cell of a map for every method of fixed steps."""
-    axes: Axes = (2, 6), (10.0, 1e4), (0.0, 1.0, 1e3, 1e5), _decades(2, 9, 2)
-    steps_s, count = _decades(-5, -1, 3), 1200
+    axes: Axes = (2, 6), (10.0, 1e4), (0.0, 1.0, 1e3, 1e5), np.logspace(2, 9, 15).tolist()
+    steps_s, count = np.logspace(-5, -1, 13).tolist(), 1200
     if quick:
-        axes = (6,), (10.0, 1e4), (0.0, 1e3), _decades(2, 8, 1)
-        steps_s, count = _decades(-5, -1, 2), 600
+        axes = (6,), (10.0, 1e4), (0.0, 1e3), np.logspace(2, 8, 7).tolist()
+        steps_s, count = np.logspace(-5, -1, 9).tolist(), 600
     with Limited() as child:
         for method in fixed_step_methods():
             tell(f"map of stability: {method} ...")

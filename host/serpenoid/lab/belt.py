@@ -10,8 +10,6 @@ import numpy as np
 
 from .robot import LabRobot, check_answer
 
-HALF_LENGTH_M = 0.6  # Half of the belt's length that a robot's centre may be on.
-
 
 @dataclass(frozen=True, slots=True)
 class Sight:
@@ -91,12 +89,6 @@ class Belt:
         """Return where the robot is."""
         x, y, *_ = self._chain.state
         return Sight(self.t_s, x, y, self._heading_rad())
-
-    @property
-    def lost(self) -> bool:
-        """Tell whether the robot has left the belt."""
-        sight, half_width_m = self.look(), 0.22
-        return abs(sight.along_m) > HALF_LENGTH_M or abs(sight.across_m) > half_width_m
 
     def _heading_rad(self) -> float:
         """Return the direction from the tail's end to the head's: that of all links' sum."""

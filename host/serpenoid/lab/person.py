@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .belt import HALF_LENGTH_M, Belt, Sight
+from .belt import Belt, Sight
 from .instruments import CLOCK_S, EYE_M, EYE_RAD, RULER_M
 
 LOOK_S = 0.5  # Time between looks.
@@ -106,7 +106,12 @@ class Person:
 
     def _try(self, shown_m_s: float, settle_s: float) -> tuple[Station | None, float]:
         """Let the robot go on the running belt; return what was read, and the drift seen last."""
-        self._let_go(shown_m_s)
+        error_m_s = self.display.scatter_m_s * float(self.rng.normal())
+        self.belt.run(max(shown_m_s * self.display.scale + error_m_s, 0.0))
+        # Scatter: across, m; heading, rad; speed, m/s; turning, rad/s.
+        scatter = np.array([0.01, math.radians(2.0), 0.03, math.radians(3.0)])
+        self.belt.put(*(scatter * self.rng.normal(size=4)).tolist())
+        self.belt.steer(self.trim_rad)
         looks = self._watch(shown_m_s, settle_s)
         if self._leaves(looks[-1]):
             return None, self._drift(looks[-4:])
@@ -117,20 +122,8 @@ class Person:
             drift_m_s = self._drift(looks)
             if len(looks) < fewest_looks:
                 return None, drift_m_s
-        return self._read(shown_m_s, looks, drift_m_s), drift_m_s
-
-    def _let_go(self, shown_m_s: float) -> None:
-        """Set the belt, lay the robot on it and let go."""
-        error_m_s = self.display.scatter_m_s * float(self.rng.normal())
-        self.belt.run(max(shown_m_s * self.display.scale + error_m_s, 0.0))
-        # Scatter: across, m; heading, rad; speed, m/s; turning, rad/s.
-        scatter = np.array([0.01, math.radians(2.0), 0.03, math.radians(3.0)])
-        self.belt.put(*(scatter * self.rng.normal(size=4)).tolist())
-        self.belt.steer(self.trim_rad)
-
-    def _read(self, shown_m_s: float, looks: list[Sight], drift_m_s: float) -> Station:
         turned_rad = EYE_RAD.shows(looks[-1].heading_rad, self.rng)
-        return Station(shown_m_s, drift_m_s, turned_rad, self.offset_rad)
+        return Station(shown_m_s, drift_m_s, turned_rad, self.offset_rad), drift_m_s
 
     def _watch(self, shown_m_s: float, duration_s: float) -> list[Sight]:
         """Steer and look until the time is over or the robot leaves; return what was there."""
@@ -158,8 +151,9 @@ class Person:
         self.belt.steer(self.offset_rad)
 
     def _leaves(self, look: Sight) -> bool:
-        # From three quarters of the belt on somebody takes the robot back to the middle.
-        return abs(look.along_m) > 0.75 * HALF_LENGTH_M or self.belt.lost
+        """Tell whether the robot left the belt, or is so near its end that it is taken back."""
+        half_length_m, half_width_m = 0.45, 0.22
+        return abs(look.along_m) > half_length_m or abs(look.across_m) > half_width_m
 
     def _drift(self, looks: list[Sight]) -> float:
         """Return the drift, m/s, uphill, by ruler and clock between the ends of a watch."""

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from ..base.vectors import columns
 from ..prediction.comparison import ComparedGait, Comparison
 from ..prediction.curve import speed_curves
 from ..servos.speed_limit import highest_hz
 from .plot import COLOURS, GREY, hatch_beyond
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 
 def panels(compared: Comparison) -> dict[str, Any]:

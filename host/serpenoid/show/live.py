@@ -6,19 +6,16 @@ import errno
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rich.console import Group
 from rich.live import Live
+from rich.table import Table
 
 from ..base.rows import table
 from ..robot.tools.driven_run import DrivenRun, Summary
+from ..robot.wire.protocol import Telemetry
 from .screen import screen
-
-if TYPE_CHECKING:
-    from rich.table import Table
-
-    from ..robot.wire.protocol import Telemetry
 
 View = Callable[[DrivenRun], None]
 

@@ -8,12 +8,13 @@ from contextlib import suppress
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from ..base.errors import NotConverged
-from ..base.vectors import columns
+from ..base.vectors import Array, columns
 from ..friction.result import FrictionFit
 from ..model.gait import gait_name
 from ..periodic.steady import Steady, steady_gait
@@ -26,11 +27,6 @@ from .gaits.gait_figures import power_of
 from .plot import BLUE, COLOURS, draw_friction, figure, hatch_beyond, heading
 from .run_figure import run_figure
 from .session.floor_figure import draw_pushes
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from ..base.vectors import Array
 
 
 def figure_of(result: Any, path: Path | None, **details: Any) -> Figure:

@@ -5,21 +5,18 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from ..model.gait import gait_name
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..simulation.run import ENERGY_COLUMNS, Run
+from ..simulation.scene import Scene
 from .plot import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, figure, heading
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from ..simulation.scene import Scene
 
 
 def run_figure(run: Run, path: Path | None) -> Figure:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from ...base.vectors import columns
 from ...gaits.least_power import LeastPower
@@ -19,9 +19,6 @@ from ..plot import (
     figure,
     heading,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def optimum_figure(best: Sequence[LeastPower], title: str, path: Path) -> None:

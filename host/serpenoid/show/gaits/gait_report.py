@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from ...gaits.least_power import LeastPower
 from ...gaits.limits import LIMITS, REACHED
+from ...model.drives import Servo, ServoKind
 from ...model.gait import gait_name
 from ...servos.speed_limit import is_too_fast
-
-if TYPE_CHECKING:
-    from ...gaits.least_power import LeastPower
-    from ...model.drives import Servo, ServoKind
 
 
 def beside_ideal(best: LeastPower, ideal: LeastPower, servo: Servo | ServoKind | None) -> str:

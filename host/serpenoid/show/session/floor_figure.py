@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from matplotlib.figure import Figure
 
 from ...friction.push_paths import push_paths
+from ...friction.result import FrictionFit
+from ...session.session import Session
 from ..plot import COLOURS, GREY, fit_heading
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from ...friction.result import FrictionFit
-    from ...session.session import Session
 
 
 def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> None:

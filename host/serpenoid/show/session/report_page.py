@@ -9,6 +9,8 @@ from collections.abc import Callable, Iterable, Sequence
 from html import escape
 from typing import Any
 
+import matplotlib as mpl
+
 from ...friction.result import DOUBTFUL, FrictionFit
 from ...prediction.advice import Advice
 from ...prediction.comparison import Comparison
@@ -96,8 +98,6 @@ def _svg(
     what: str, draw: Callable[..., None], *shown: Any, size: tuple[float, float], **panels: Any
 ) -> str:
     """Return a drawing as a picture in the page; salted ids make it the same again."""
-    import matplotlib as mpl
-
     file = io.BytesIO()
     with mpl.rc_context({"svg.hashsalt": "serpenoid"}), figure(*size, **panels) as (fig, axes):
         draw(fig, axes, *shown)

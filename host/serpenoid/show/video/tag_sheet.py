@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
 from ...base.errors import BadInput
 from ...base.files import whole_file
 from ...video.seeing.edges import CELLS
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 PAPERS_MM = {"a4": (210.0, 297.0), "letter": (215.9, 279.4)}
 MARGIN_MM = 12.0  # Width of the rim that no printer reaches.
@@ -29,9 +30,6 @@ def tag_sheet(
     black square. link_m: length of a link. paper: a key of PAPERS_MM. Raises BadInput if the tags
     do not fit on the page.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     width, height = PAPERS_MM[paper]
     side_mm, top = 1e3 * side_m, height - MARGIN_MM
     corners = _corners(len(cells), side_mm, paper)
@@ -86,8 +84,6 @@ def _tag(ax: Axes, white: NDArray[np.bool_], number: int, side: float, x: float,
 
     white: (cells, cells), whether a cell is white. side, x, y: in mm.
     """
-    from matplotlib.patches import Rectangle
-
     cell = side / CELLS
     label = side + 2 * cell
     ax.add_patch(Rectangle((x, y), label, label, fill=False, ls=(0, (4, 3)), lw=0.5, ec="#777777"))

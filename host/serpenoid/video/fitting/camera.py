@@ -76,25 +76,19 @@ class Camera:
         """Return the side of a tag, m."""
         return float(np.exp(self.shared[8]))
 
-    def on_link(self) -> tuple[Array, Array]:
-        """Return the corners in their link's frame, (links, 4, 2), and their heights (links, 4)."""
-        mounting = self.shared[len(LENS) :].reshape(self.links, len(MOUNTING), 1)
-        dx, dy, turn, height, slope_x, slope_y = mounting.transpose(1, 0, 2)
-        x, y = self.side_m * 0.5 * np.array([[-1, 1, 1, -1], [1, 1, -1, -1]])
-        cos, sin = np.cos(turn), np.sin(turn)
-        flat = np.stack([dx + cos * x - sin * y, dy + sin * x + cos * y], axis=-1)
-        return flat, height + slope_x * x + slope_y * y
-
     def corners(self, states: Array) -> Array:
         """Return the corners in the world, (frames, links, 4, 3)."""
-        flat, heights = self.on_link()
+        mounting = self.shared[len(LENS) :].reshape(self.links, len(MOUNTING), 1)
+        dx, dy, turn, height, slope_x, slope_y = mounting.transpose(1, 0, 2)
+        tag_x, tag_y = self.side_m * 0.5 * np.array([[-1, 1, 1, -1], [1, 1, -1, -1]])
+        cos, sin = np.cos(turn), np.sin(turn)
+        x, y = dx + cos * tag_x - sin * tag_y, dy + sin * tag_x + cos * tag_y  # of the link
         theta = states[:, 2:, None]
         cos, sin = np.cos(theta), np.sin(theta)
-        x, y = flat[None, ..., 0], flat[None, ..., 1]
         rotated = np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
-        flat_world = link_centres(states, self.link_m)[:, :, None] + rotated
-        heights = np.broadcast_to(heights, flat_world.shape[:-1])
-        return np.concatenate([flat_world, heights[..., None]], axis=-1)
+        flat = link_centres(states, self.link_m)[:, :, None] + rotated
+        heights = np.broadcast_to(height + slope_x * tag_x + slope_y * tag_y, flat.shape[:-1])
+        return np.concatenate([flat, heights[..., None]], axis=-1)
 
     def image(self, world: Array) -> Array:
         """Return the pixels of world points (..., 3), (..., 2); behind the camera: NaN."""

@@ -19,15 +19,14 @@ def first_cameras(sightings: Sightings, link_m: float, side_m: float) -> list[Ca
     The best plane of every focal length, and the best of all that leans the other way: small
     squares look nearly the same from both sides.
     """
-    frame, link = np.nonzero(sightings.visible)
-    sample = slice(None, None, max(1, len(frame) // 200))
-    corners = sightings.corners_px[frame[sample], link[sample]].astype(float)
+    corners = sightings.corners_px[sightings.visible]
+    corners = corners[:: max(1, len(corners) // 200)].astype(float)
     around = np.arange(16) * np.pi / 8
-    tilts = np.radians(np.arange(8, 73, 8))[:, None, None] * np.stack(
+    tilts = np.radians(np.arange(0, 73, 8))[:, None, None] * np.stack(
         [np.cos(around), np.sin(around)], axis=-1
     )
     focals, candidates = (0.6, 0.75, 0.95, 1.3, 2.0), []  # over the picture's longer side
-    for focal, tilt in product(focals, [np.zeros(2), *tilts.reshape(-1, 2)]):
+    for focal, tilt in product(focals, tilts.reshape(-1, 2)[15:]):
         shared = np.zeros(len(LENS) + len(MOUNTING) * sightings.links)
         shared[0], shared[8] = np.log(focal), np.log(side_m)
         shared[5:7] = tilt

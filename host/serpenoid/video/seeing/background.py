@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -63,8 +64,9 @@ class Background:
         max_error_px = 1.0  # Deviation from the common motion; points beyond it are on a foot.
         min_points = 12  # Fewest points whose common motion is trusted.
         later = _even(np.ascontiguousarray(picture))
-        forward_points, status = self._follow(self._first, later, self._points)
-        returned_points, returned_status = self._follow(later, self._first, forward_points)
+        follow = partial(cv2.calcOpticalFlowPyrLK, winSize=(PATCH_PX, PATCH_PX), maxLevel=4)
+        forward_points, status, _ = follow(self._first, later, self._points, None)
+        returned_points, returned_status, _ = follow(later, self._first, forward_points, None)
         distance = np.linalg.norm(returned_points - self._points, axis=2).ravel()
         is_good = (status & returned_status).ravel() == 1
         is_good &= distance < max_error_px
@@ -92,15 +94,6 @@ class Background:
             sigma = np.sqrt(variance * (1 / len(arm) + abs(corner_arm[largest]) ** 2 / inertia))
             shift_px = corner_shift[largest]
             self.shifts.append((time_s, shift_px.real, shift_px.imag, float(sigma)))
-
-    @staticmethod
-    def _follow(first: Any, later: Any, points: Any) -> tuple[Any, Any]:
-        import cv2
-
-        found_points, status, _ = cv2.calcOpticalFlowPyrLK(
-            first, later, points, points.copy(), winSize=(PATCH_PX, PATCH_PX), maxLevel=4
-        )
-        return found_points, status
 
 
 def _even(picture: Grey) -> Grey:
