@@ -124,9 +124,9 @@ def _searched(model: BenchModel, continuous: Fit | None, rng: np.random.Generato
         continuous_model, (peak, *_) = continuous
         x = peak.x
         names = "zero_rad", "gain", "start_rad", "delay_s"
-        *shared, delay = map(model.names.index, names)
-        starts[:, [*shared, delay]] = x[[*shared, delay]]
-        starts[:, delay] -= 0.5 * model.period_s / model.priors["delay_s"].sigma
+        shared = [model.names.index(name) for name in names]
+        starts[:, shared] = x[shared]
+        starts[:, shared[-1]] -= 0.5 * model.period_s / model.priors["delay_s"].sigma
         waits_s = model.period_s * rng.uniform(-0.5, 0.5, (len(starts), model.steps))
         delays_s = continuous_model.step_delays_s(x) + waits_s
         starts[:, first_step:] = delays_s / model.step_sigma_s
@@ -229,8 +229,8 @@ def _sampled(fits: list[Fit], rng: np.random.Generator) -> list[tuple[BenchModel
             weights = np.exp([peak.log_mass - masses.max() for peak in peaks])
             chosen = rng.choice(len(peaks), TUNING.population, p=weights / weights.sum())
             normal = rng.normal(size=(len(chosen), model.size))
-            offsets = [peaks[k].root @ row for k, row in zip(chosen, normal, strict=True)]
-            x = np.array([peaks[k].x for k in chosen]) + offsets
+            pairs = zip([peaks[k] for k in chosen], normal, strict=True)
+            x = np.array([peak.x + peak.root @ row for peak, row in pairs])
             density = partial(log_density, model.residuals)
             x = np.concatenate(explored(x, density, TUNING.moves, rng))
             parts.append((model, x[rng.permutation(len(x))[:count]]))

@@ -67,11 +67,9 @@ class BenchTest:
             raise BadInput(
                 f"a bench test needs {min_rows} rows or more at rising times; it has {rows}"
             )
-        duration_s = float(np.ptp(self.t_s))
-        if duration_s > max_s:
+        if (duration_s := np.ptp(self.t_s)) > max_s:
             raise BadInput(f"the test lasts {duration_s:.3g} s; give {max_s:.0f} s at most")
-        span_deg = math.degrees(np.ptp(self.setpoint_rad))
-        if span_deg < min_deg:  # Dead band and play of gears take about as much.
+        if (span_deg := math.degrees(np.ptp(self.setpoint_rad))) < min_deg:
             raise BadInput(
                 f"the setpoints span {span_deg:.2g} degrees, which shows nothing; send steps of "
                 f"{min_deg:.0f} or more, or a gait. If these are radians, write degrees"

@@ -129,34 +129,40 @@ HOBBY = _of_sheet(
     torque_sigma=0.5,
     speed_sigma=0.25,
 )
-_KINDS = (
-    HOBBY,
-    _measured_sheet("SG90", 1.8, 0.10, 4.8, "smarthon-docs-zh.readthedocs.io"),
-    _measured_sheet(
-        "MG90S", 2.2, 0.08, 6.0, "github.com/TrDA-hab/Projects, Servo+ESP8266/MG90S-Datasheet.pdf"
-    ),
-    _measured_sheet(
-        "MG996R",
-        11.0,
-        0.14,
-        6.0,
-        "github.com/neko0xff/note_hardware, motor_mg996r; shops say 9.4 to 15 kg cm",
-    ),
-    _of_sheet("HS-422", 4.1, 0.16),
-    _measured_sheet(
-        "S3003",
-        4.1,
-        0.19,
-        6.0,
-        "github.com/rngadam/XinCheJian-GGHC/wiki/Mechanical-design",
-    ),
-    _of_sheet("DS3218", 19.0, 0.16),
-    _identified("XL-320", 0.98695, 35.609, 7.4, 1.1190e-3, 0.027515, 0.0033176),
-    _identified("XL-330", 0.37005, 3.4983, 5.0, 1.9898e-3, 0.018212, 0.0059020),
-    _identified("STS3215", 1.17763, 2.47868, 7.4, 0.0260829, 0.0515205, 0.0598916),
-    _identified("MX-64", 1.62247, 3.94943, 12.0, 0.0119512, 0.0903868, 0.0116916),
-)
-SERVOS = {kind.name: kind for kind in _KINDS}
+SERVOS = {
+    kind.name: kind
+    for kind in (
+        HOBBY,
+        _measured_sheet("SG90", 1.8, 0.10, 4.8, "smarthon-docs-zh.readthedocs.io"),
+        _measured_sheet(
+            "MG90S",
+            2.2,
+            0.08,
+            6.0,
+            "github.com/TrDA-hab/Projects, Servo+ESP8266/MG90S-Datasheet.pdf",
+        ),
+        _measured_sheet(
+            "MG996R",
+            11.0,
+            0.14,
+            6.0,
+            "github.com/neko0xff/note_hardware, motor_mg996r; shops say 9.4 to 15 kg cm",
+        ),
+        _of_sheet("HS-422", 4.1, 0.16),
+        _measured_sheet(
+            "S3003",
+            4.1,
+            0.19,
+            6.0,
+            "github.com/rngadam/XinCheJian-GGHC/wiki/Mechanical-design",
+        ),
+        _of_sheet("DS3218", 19.0, 0.16),
+        _identified("XL-320", 0.98695, 35.609, 7.4, 1.1190e-3, 0.027515, 0.0033176),
+        _identified("XL-330", 0.37005, 3.4983, 5.0, 1.9898e-3, 0.018212, 0.0059020),
+        _identified("STS3215", 1.17763, 2.47868, 7.4, 0.0260829, 0.0515205, 0.0598916),
+        _identified("MX-64", 1.62247, 3.94943, 12.0, 0.0119512, 0.0903868, 0.0116916),
+    )
+}
 
 
 def servo(name: str | Path = "hobby") -> ServoKind:

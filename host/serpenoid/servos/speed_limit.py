@@ -38,9 +38,7 @@ def highest_hz(gait: Gait, servo: Servo | ServoKind) -> float:
 
 def is_too_fast(gait: Gait, servo: Servo | ServoKind | None) -> bool:
     """Return whether the joints must turn faster than a servo can follow; None: ideal joints."""
-    if servo is None:
-        return False
-    return joint_rate_rad_s(gait) > MAX_NO_LOAD_SHARE * no_load_rad_s(servo)
+    return servo is not None and gait.omega_rad_s > math.tau * highest_hz(gait, servo)
 
 
 def too_fast_text(gait: Gait, servo: Servo | ServoKind | None, gait_name: str = "") -> str:

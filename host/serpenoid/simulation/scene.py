@@ -189,7 +189,8 @@ class Scene:
         if self.method == "auto" or isinstance(self.method, OwnChoice):
             object.__setattr__(self, "method", OwnChoice(default_method(self)))
         if (why := objection(self.method, self)) is not None:
-            raise BadInput(f"method {self.method!r} {why}; take {_ways_out(self)}")
+            methods = (repr(name) for name in METHODS if objection(name, self) is None)
+            raise BadInput(f"method {self.method!r} {why}; take method {', or '.join(methods)}")
         self._check_start()
 
     def _check_counts(self, max_bytes: float = 4e9) -> None:
@@ -284,12 +285,11 @@ class Scene:
         return self.formulation in METHODS[self.method].adaptive
 
 
-def objection(name: str, scene: Scene, formulation: str | None = None) -> str | None:
-    """Return why a method does not run a scene, or None if it does; what is given replaces."""
+def objection(name: str, scene: Scene) -> str | None:
+    """Return why a method does not run a scene, or None if it does."""
     kind, servo = METHODS[name], scene.servo
-    formulation = formulation or scene.formulation
-    if formulation not in kind.formulations:
-        return f"does not run with formulation {formulation!r}"
+    if scene.formulation not in kind.formulations:
+        return f"does not run with formulation {scene.formulation!r}"
     if scene.law not in kind.laws:
         return f"does not run with law {scene.law!r}"
     if name == "radau" and servo is not None and not servo.simple:
@@ -323,14 +323,3 @@ def most_accurate_method(scene: Scene) -> str:
     """Return the method that gets a scene most accurate, of those that run it."""
     names = "radau", "dop853", "nonsmooth"
     return next(name for name in names if objection(name, scene) is None)
-
-
-def _ways_out(scene: Scene) -> str:
-    """Return what to take where a scene's method does not run it."""
-    ways = [f"method {name!r}" for name in METHODS if objection(name, scene) is None]
-    ways += [
-        f"formulation {formulation!r}"
-        for formulation in FORMULATIONS
-        if objection(scene.method, scene, formulation) is None
-    ]
-    return ", or ".join(ways)

@@ -122,30 +122,21 @@ def _explicit_start(scene: Scene) -> LinkState:
     bent = LinkState.joined(robot, from_tail(np.zeros(3), phi), from_tail(np.zeros(3), rate))
     if scene.start == "link1_at_rest":
         return bent
+    x_m, y_m = bent.x_m - bent.x_m.mean(), bent.y_m - bent.y_m.mean()
+    vx_m_s, vy_m_s = bent.vx_m_s - bent.vx_m_s.mean(), bent.vy_m_s - bent.vy_m_s.mean()
     if scene.start == "steady":  # link 1 turns as the body velocity says
         state = steady_gait(robot, scene.ground, scene.gait, powers=False)
         ahead_m_s, left_m_s, turn_rad_s = state.body_velocity
     else:  # neither does the centre of mass move nor the whole chain turn
-        x_m, y_m = bent.x_m - bent.x_m.mean(), bent.y_m - bent.y_m.mean()
         mass_kg, inertia_kg_m2 = robot.link_mass_kg, robot.inertia_kg_m2
-        spin = mass_kg * (x_m @ bent.vy_m_s - y_m @ bent.vx_m_s)
-        spin += inertia_kg_m2 * bent.omega_rad_s.sum()
+        spin = mass_kg * (x_m @ vy_m_s - y_m @ vx_m_s) + inertia_kg_m2 * bent.omega_rad_s.sum()
         whole_kg_m2 = robot.links * inertia_kg_m2 + mass_kg * (x_m @ x_m + y_m @ y_m)
         ahead_m_s, left_m_s, turn_rad_s = 0.0, 0.0, -spin / whole_kg_m2
-    return _with_motion(
-        bent, ahead_m_s - bent.vx_m_s.mean(), left_m_s - bent.vy_m_s.mean(), turn_rad_s
-    )
-
-
-def _with_motion(
-    state: LinkState, ahead_m_s: float, left_m_s: float, turn_rad_s: float
-) -> LinkState:
-    """Return a state with a motion added that is the same for all links: along x, y, and a turn."""
     return replace(
-        state,
-        vx_m_s=state.vx_m_s + ahead_m_s - turn_rad_s * (state.y_m - state.y_m.mean()),
-        vy_m_s=state.vy_m_s + left_m_s + turn_rad_s * (state.x_m - state.x_m.mean()),
-        omega_rad_s=state.omega_rad_s + turn_rad_s,
+        bent,
+        vx_m_s=vx_m_s + ahead_m_s - turn_rad_s * y_m,
+        vy_m_s=vy_m_s + left_m_s + turn_rad_s * x_m,
+        omega_rad_s=bent.omega_rad_s + turn_rad_s,
     )
 
 
@@ -180,14 +171,9 @@ def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:
         )
 
     shifts = np.vstack([np.zeros(4), np.hstack([gap, gap_rate]).cumsum(axis=0)])
-    x_m, y_m, vx_m_s, vy_m_s = (shifts - shifts.mean(axis=0)).T
-    return replace(
-        start,
-        x_m=start.x_m + x_m,
-        y_m=start.y_m + y_m,
-        vx_m_s=start.vx_m_s + vx_m_s,
-        vy_m_s=start.vy_m_s + vy_m_s,
-    )
+    state = start.packed().reshape(6, -1)
+    state[[0, 1, 3, 4]] += (shifts - shifts.mean(axis=0)).T  # x, y and their rates
+    return LinkState(*state)
 
 
 def start_state(scene: Scene) -> LinkState:
