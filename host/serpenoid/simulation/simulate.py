@@ -144,7 +144,7 @@ def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:
     """Open the joints by what their springs need to carry the explicit model's forces.
 
     Gap (F - c F'/k)/k and gap rate F'/k: the motion then has no ringing part to order 1/k^2. The
-    centre of mass stays where it is. F' comes from three evaluations along the explicit motion.
+    centre of mass stays where it is. F' comes from five evaluations along the explicit motion.
     Where friction brakes faster than the springs swing, or wheels stop at once, F is not slow: the
     gap is F/k.
     """
@@ -153,11 +153,11 @@ def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:
     # Motors and given torques change forces within 10 ms.
     fastest = max(1e3 * scene.gait.omega_rad_s, 100 * braking, 1e5 * (scene.drive != "angle"))
     h = max(1 / fastest, 1e-12)
-    short = replace(scene, start=start, dt_s=h, duration_s=2 * h, record_every=1)
+    short = replace(scene, start=start, dt_s=h, duration_s=4 * h, record_every=1)
     exact = replace(exact_scene(short, 1e-9), record=("joints",))
     record = run_core(exact, start)
-    force = np.stack([record["joint_force_x_n"], record["joint_force_y_n"]], axis=2)  # (3, n-1, 2)
-    rate = (4 * force[1] - 3 * force[0] - force[2]) / (2 * h)
+    force = np.stack([record["joint_force_x_n"], record["joint_force_y_n"]], axis=2)  # (5, n-1, 2)
+    rate = np.tensordot([-25, 48, -36, 16, -3], force, axes=1) / (12 * h)
     lag = c / k + math.sqrt(m / k)
     mode_ends = scene.law == "dry" and np.abs(rate).max() * lag > np.abs(force[0]).max()
     if braking * lag > 1 or mode_ends:
