@@ -1,4 +1,4 @@
-"""The firmware under warnings, cppcheck and clang-tidy; its parser and controller under fuzzing."""
+"""Compiler warnings, cppcheck and clang-tidy for the firmware; fuzzers of parser and controller."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def run(*command: str) -> None:
-    done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr[-4000:]
+    result = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
+    assert result.returncode == 0, result.stdout + result.stderr[-4000:]
 
 
 @pytest.mark.slow
@@ -23,7 +23,7 @@ def run(*command: str) -> None:
     reason="needs cppcheck and clang-tidy",
 )
 def test_no_warning_from_our_files(firmware_elf) -> None:
-    firmware_elf("uno")  # So that the Servo library is there, and firmware/src is checked, too.
+    firmware_elf("uno")  # It fetches the Servo library, without which firmware/src is not checked.
     run("firmware/check")
 
 

@@ -1,4 +1,4 @@
-"""Format 2 on disk: readings of every kind, amendments, voids, and lines that were cut short."""
+"""Session files of format 2: all kinds of readings, amendments, voids, and damaged lines."""
 
 import math
 import re
@@ -53,7 +53,7 @@ STATION = {
     "belt_speed_m_s": "0.4",
     "drift_m_s": "0",
 }
-RAN = {
+GAIT_RUN = {
     "kind": "gait",
     "alpha_deg": 70,
     "beta_deg": 75,
@@ -94,14 +94,14 @@ def append(folder, *lines, to="readings.csv"):
         file.write("".join(lines))
 
 
-def test_every_kind_of_reading_lands_in_its_place(folder):
+def test_every_kind_of_reading_is_loaded(folder):
     append(
         folder,
         reading(1, kind="zero", incline_deg="0.3", reversed_deg="-0.1"),
         reading(2),
         reading(3, kind="bend", lambda_deg="15", between_links_deg="149"),
         reading(4, lambda_deg="15.5"),
-        reading(5, **RAN),
+        reading(5, **GAIT_RUN),
         reading(6, kind="coastdown", more="height_mm=3"),
         reading(7, kind="zero", incline_deg="0.1", reversed_deg="0.3"),
     )
@@ -119,8 +119,8 @@ def test_every_kind_of_reading_lands_in_its_place(folder):
     assert session.folder == folder
 
 
-def test_readings_of_ways_that_are_gone_are_left_out_by_name_and_the_fit_stays(folder):
-    """A slide, a check of break-away and a push by marks in an older file."""
+def test_kinds_of_older_programs_are_left_out_with_a_note(folder):
+    """An older file holds a slide, a breakaway test and a push timed at marks."""
     append(folder, *STATIONS)
     before = fit_friction(load_session(folder))
     marks = {"kind": "coast", "more": "by=marks track=tracks/0007.csv track_sha256=0"}
@@ -137,7 +137,7 @@ def test_readings_of_ways_that_are_gone_are_left_out_by_name_and_the_fit_stays(f
     assert fit_friction(session).intervals == before.intervals
 
 
-def test_a_zero_that_moved_by_more_than_its_errors_is_in_the_uncertainty_and_told(folder):
+def test_a_moved_zero_adds_to_the_uncertainty(folder):
     zero = {"kind": "zero", "incline_deg": "0.3", "reversed_deg": "-0.1"}
     append(folder, reading(1, **zero), *STATIONS)
     fits = []
@@ -147,15 +147,15 @@ def test_a_zero_that_moved_by_more_than_its_errors_is_in_the_uncertainty_and_tol
         fits.append(fit_friction(session))
         text = (folder / "readings.csv").read_text()
         (folder / "readings.csv").write_text(text[: text.rindex("6,zero")])
-    stood, moved = fits
+    constant, moved = fits
     assert math.degrees(session.zero.value_rad) == pytest.approx(0.2)
     assert math.degrees(session.zero.sigma_rad) == pytest.approx(math.hypot(0.015, 0.1))
     assert "zero moved" in " ".join(moved.notes)
-    assert "zero moved" not in " ".join(stood.notes)
-    assert moved.parameters["ft0"].sigma > 1.5 * stood.parameters["ft0"].sigma
+    assert "zero moved" not in " ".join(constant.notes)
+    assert moved.parameters["ft0"].sigma > 1.5 * constant.parameters["ft0"].sigma
 
 
-def test_a_session_of_ratchet_wheels_is_refused_by_name(folder):
+def test_a_session_of_ratchet_wheels_is_refused(folder):
     append(folder, reading(1), reading(2, more="facing=up"))
     with refused("csv:3: reading 2 has facing=up: its wheels rolled backwards.*void"):
         load_session(folder)
@@ -169,13 +169,13 @@ def test_a_session_of_ratchet_wheels_is_refused_by_name(folder):
         load_session(folder)
 
 
-def test_what_older_programs_amended_holds_but_for_instruments_and_ratchet_wheels(folder):
+def test_amendments_of_older_programs_apply_except_to_instruments_and_ratchets(folder):
     append(folder, reading(1, setup=2))
     append(folder, event("amend", detail='"robot.mass_kg = 0.5"'), to="events.csv")
     session = load_session(folder)
     assert session.setup.robot.mass_kg == pytest.approx(0.5)
     assert "older programs amended holds" in session.notes[0]
-    for change, says in (
+    for change, message in (
         ("instruments.time_sigma_s = 0.5", "one set of instruments.*correct it there"),
         ("plan.ratchet = true", "ratchet is True"),
         ("snake.links = 5", "is of 'snake'"),
@@ -184,11 +184,11 @@ def test_what_older_programs_amended_holds_but_for_instruments_and_ratchet_wheel
     ):
         path = folder / "events.csv"
         path.write_text(",".join(EVENT_COLUMNS) + "\n" + event("amend", detail=f'"{change}"'))
-        with refused(says):
+        with refused(message):
             load_session(folder)
 
 
-def test_void_and_what_older_versions_restored_and_redid(folder):
+def test_voided_restored_and_replaced_readings(folder):
     append(folder, reading(1), reading(2), reading(3), reading(4, replaces=2, belt_speed_m_s=0.5))
     append(
         folder,
@@ -205,17 +205,17 @@ def test_void_and_what_older_versions_restored_and_redid(folder):
     assert [r.number for r in session.kept_stations] == [3, 4]
 
 
-def test_the_hash_tells_what_a_fit_rests_on(folder):
+def test_the_hash_depends_only_on_what_a_fit_uses(folder):
     append(folder, reading(1), reading(2))
     first = load_session(folder).sha256
     append(folder, event("note", detail="hello"), to="events.csv")
-    append(folder, reading(3, **RAN))
+    append(folder, reading(3, **GAIT_RUN))
     assert load_session(folder).sha256 == first
     append(folder, event("void", 2), to="events.csv")
     assert load_session(folder).sha256 != first
 
 
-def test_zero_bytes_after_a_power_cut_are_told(folder):
+def test_zero_bytes_after_a_power_cut_are_noted(folder):
     append(folder, reading(1), "2,station\0\0\0\0\n", reading(3))
     session = load_session(folder)
     assert [r.number for r in session.kept_stations] == [1, 3]

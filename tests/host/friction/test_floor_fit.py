@@ -1,4 +1,4 @@
-"""Pushes fitted: made by an integration in small steps, and by the lab's rigid body."""
+"""Fits of pushes that were simulated by small steps, or by the lab's rigid body."""
 
 import math
 from dataclasses import replace
@@ -26,7 +26,7 @@ from simulated_sessions import MemoryRecord
 
 
 def mixed_session():
-    """Pushes on film and to rest; stations: every term there is."""
+    """Return filmed pushes, timed pushes and stations, so that all terms of the fit are used."""
     filmed = short_session()
     setup = replace(
         floor_setup(), instruments=replace(floor_setup().instruments, belt_scale_sigma_percent=2.0)
@@ -42,7 +42,7 @@ def mixed_session():
     return record.session
 
 
-def test_pushes_tell_all_four_and_the_floor():
+def test_pushes_give_all_four_frictions_and_the_slope():
     fit = fit_friction(floor_session())
     for (name, value), true in zip(fit.whole_snake.items(), TRUTH, strict=True):
         low, high = fit.intervals[name]
@@ -56,8 +56,8 @@ def test_pushes_tell_all_four_and_the_floor():
 
 
 @pytest.mark.parametrize("links", [4, 8])
-def test_a_robot_without_a_straight_link_slips_down_a_floor_that_falls_across(links):
-    """The lab's robot is a rigid body on wheels, let go crooked and turning."""
+def test_a_bent_robot_shows_the_slope_across_the_track(links):
+    """The lab's robot is a rigid body on wheels, released at an angle and with a rotation."""
     body, whole, across = Robot(links, MASS / 6, 0.076), np.array(TRUTH) * links / 6, 0.0105
     floor = Floor(LabRobot.whole_body(body, Ground(*whole)), across_rad=across)
     setup = floor_setup(wheels_kg=0.0)
@@ -67,9 +67,9 @@ def test_a_robot_without_a_straight_link_slips_down_a_floor_that_falls_across(li
     for bend in (0.0, 20.0, 45.0):
         pose = pose_of(balanced_signs(links), math.radians(bend))
         for way, direction in (("there", 0.0), ("back", math.pi)):
-            for crooked in (-1.0, 0.0, 1.0):
-                more = {"heading_rad": 0.03 * crooked * (-1) ** links, "rate_rad_s": 0.06 * crooked}
-                track = floor.push(pose, Push(0.8, direction, **more))
+            for skew in (-1.0, 0.0, 1.0):
+                start = {"heading_rad": 0.03 * skew * (-1) ** links, "rate_rad_s": 0.06 * skew}
+                track = floor.push(pose, Push(0.8, direction, **start))
                 rows = film(track, camera, rng)
                 rows = rows[rows[:, 0] > track.released_s, :3]
                 cells = {"lambda_deg": bend, "bend": "balanced", "way": way, "by": "film"}
@@ -84,18 +84,18 @@ def test_a_robot_without_a_straight_link_slips_down_a_floor_that_falls_across(li
     assert slope.sigma < across / 4
 
 
-def test_wheels_that_turn_are_not_friction():
-    told = fit_friction(floor_session())
-    ignored = fit_friction(floor_session(setup=floor_setup(wheels_kg=0.0)))
-    assert ignored.whole_snake["ft0"] / told.whole_snake["ft0"] == pytest.approx(
+def test_inertia_of_the_wheels_is_not_taken_for_friction():
+    known = fit_friction(floor_session())
+    without_wheels = fit_friction(floor_session(setup=floor_setup(wheels_kg=0.0)))
+    assert without_wheels.whole_snake["ft0"] / known.whole_snake["ft0"] == pytest.approx(
         1 / 1.0595, rel=0.01
     )
-    untold = fit_friction(floor_session(setup=floor_setup(wheels_kg=None)))
-    assert any("wheels weigh" in note for note in untold.notes)
-    assert untold.parameters["ft0"].sigma > 1.5 * told.parameters["ft0"].sigma
+    unknown = fit_friction(floor_session(setup=floor_setup(wheels_kg=None)))
+    assert any("wheels weigh" in note for note in unknown.notes)
+    assert unknown.parameters["ft0"].sigma > 1.5 * known.parameters["ft0"].sigma
 
 
-def test_one_way_only_is_as_sure_as_the_floor_is_level():
+def test_pushes_in_one_direction_leave_the_slope_unknown():
     session = floor_session()
     turned = replace(session.readings[0], way="back")
     fit = fit_friction(replace(session, readings=(turned, *session.readings[1:])))
@@ -107,7 +107,7 @@ def test_one_way_only_is_as_sure_as_the_floor_is_level():
     assert low < FT0 < high
 
 
-def test_stations_and_pushes_are_one_fit():
+def test_a_fit_combines_stations_and_pushes():
     session = mixed_session()
     together = fit_friction(session)
     alone = fit_friction(replace(session, readings=session.kept_stations))
@@ -116,7 +116,7 @@ def test_stations_and_pushes_are_one_fit():
     assert together.parameters["ct"].sigma < 0.8 * alone.parameters["ct"].sigma
 
 
-def test_what_is_left_open_is_said_with_the_push_that_closes_it():
+def test_a_refusal_names_the_missing_pushes():
     with refused(r"cn and fn0 cannot be told: in all .* straight; .*bend of 42 degrees, both ways"):
         fit_friction(floor_session(bends_deg=(0.0,)))
     with refused("'naive' is the paper's, of stations alone"):

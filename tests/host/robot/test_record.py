@@ -1,4 +1,4 @@
-"""A run on disk: what came is read back, cut off or not, and a full disk stops the robot."""
+"""Recordings: frames are read back, also from a truncated file; a full disk stops the robot."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ def recorded(tmp_path_factory):
     return path, frames
 
 
-def test_frames_read_back_as_they_came(recorded):
+def test_a_recording_holds_all_frames(recorded):
     path, frames = recorded
     stream = load_stream(path)
     first = int(np.flatnonzero(stream.frame == frames[0].frame)[0])
-    mine = slice(first, first + len(frames))
+    rows = slice(first, first + len(frames))
     for name in ("frame", "phase_rad", "state", "late_us"):
-        assert getattr(stream, name)[mine].tolist() == [getattr(f, name) for f in frames]
+        assert getattr(stream, name)[rows].tolist() == [getattr(f, name) for f in frames]
     for name in ("setpoint_rad", "pulse_us"):
-        assert getattr(stream, name)[mine].tolist() == [list(getattr(f, name)) for f in frames]
+        assert getattr(stream, name)[rows].tolist() == [list(getattr(f, name)) for f in frames]
     np.testing.assert_allclose(np.diff(stream.board_s), 0.02, atol=1e-4)
     np.testing.assert_allclose(np.diff(stream.host_s), 0.02, atol=0.003)
     assert (stream.damaged, stream.end) == (0, "closed")
@@ -49,7 +49,7 @@ def test_frames_read_back_as_they_came(recorded):
     assert [t for _, t in stream.reports if t.startswith("state: gait why=command")]
 
 
-def test_any_cut_leaves_every_whole_line(recorded, tmp_path):
+def test_a_truncated_recording_keeps_its_complete_lines(recorded, tmp_path):
     path, _ = recorded
     whole, cut = path.read_bytes(), tmp_path / "cut.txt"
     header = whole.index(b"\n") + 1
@@ -61,7 +61,7 @@ def test_any_cut_leaves_every_whole_line(recorded, tmp_path):
     assert load_stream(path).end == "closed"
 
 
-def test_a_run_that_never_began_leaves_its_name_free(tmp_path):
+def test_a_run_that_fails_to_start_leaves_no_file(tmp_path):
     path = tmp_path / "run.txt"
     for _ in range(2):
         with pytest.raises(NoAnswer), RobotBoard(FastBoard(nothing), record=path, timeout_s=0.2):
@@ -73,7 +73,7 @@ def test_a_run_that_never_began_leaves_its_name_free(tmp_path):
     assert path.read_text() == "thesis\n"
 
 
-FILLING = """
+FILL_DISK = """
 import math, resource, signal, sys, time
 from pathlib import Path
 from serpenoid import Gait
@@ -88,33 +88,33 @@ with RobotBoard(sys.argv[1], record=Path(sys.argv[2])) as robot:
 """
 
 
-def test_a_disk_that_fills_up_stops_the_robot_and_keeps_the_data(tmp_path):
+def test_a_full_disk_stops_the_robot_and_keeps_the_data(tmp_path):
     path = tmp_path / "run.txt"
     with FakeBoard() as fake:
-        child = start_program(fake.port, FILLING.replace("sys.argv[2]", repr(str(path))))
+        child = start_program(fake.port, FILL_DISK.replace("sys.argv[2]", repr(str(path))))
         assert fake.await_state("hold")
-        said = child.communicate("", timeout=LONG_S)[1]
+        errors = child.communicate("", timeout=LONG_S)[1]
         assert child.returncode == 1
-        assert f"RecordingFailed: recording to {path} ended: File too large; " in said
+        assert f"RecordingFailed: recording to {path} ended: File too large; " in errors
         assert b"pose straight" not in fake.received
     assert len(load_stream(path).frame) > 30
 
 
 @pytest.fixture
 def stalled(tmp_path):
-    """Return a FIFO whose reader takes nothing: it holds a page, then blocks who writes."""
+    """Yield a FIFO that nobody reads: its writer blocks after one page."""
     path = tmp_path / "fifo"
     os.mkfifo(path)
     reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     fcntl.fcntl(reader, fcntl.F_SETPIPE_SZ, PAGE)
     yield path, reader
     end_s = time.monotonic() + 2.0
-    while reads(reader) and time.monotonic() < end_s:  # let the writer go
+    while read_nonblocking(reader) and time.monotonic() < end_s:  # until the writer has ended
         time.sleep(0.01)
     os.close(reader)
 
 
-def reads(reader: int) -> bytes:
+def read_nonblocking(reader: int) -> bytes:
     try:
         return os.read(reader, 65536)
     except BlockingIOError:
@@ -122,37 +122,37 @@ def reads(reader: int) -> bytes:
 
 
 @needs_pipe_size
-def test_a_stalled_disk_stops_nothing_and_is_told(stalled, monkeypatch):
+def test_a_stalled_disk_stops_no_robot_and_is_reported(stalled, monkeypatch):
     monkeypatch.setattr(recorder, "DISK_S", 0.2)
     with pytest.raises(RecordingFailed, match=r"stalled, and \d+ rows could not be written"):
         with RobotBoard("virtual", record=stalled[0]) as robot:
             robot.gait(GAIT)
             frames = list(islice(robot.frames(LONG_S), 60))
-            begun_s = clock()
+            start_s = clock()
             robot.stop()
-            assert clock() - begun_s < 5.0  # whoever waited for this disk would wait for ever
+            assert clock() - start_s < 5.0  # a stop that waits for the disk never ends
     assert len(frames) == 60
     assert robot.losses.missed_frames == 0
 
 
-TITLE = b"# serpenoid wire 1, begun 2026\n"
+FIRST_LINE = b"# serpenoid wire 1, begun 2026\n"
 
 
 @pytest.mark.parametrize(
     ("text", "where"),
     [
         (b"thesis\n", "no recording"),
-        (TITLE + b"x < t:1\n", r":2: .*SECONDS < LINE"),
-        (TITLE + b"0.5 < a\n0.3 < b\n", r":3: .*backwards"),
-        (TITLE + b"0.5 < a\nnan < b\n", r":3: .*nan < b.*SECONDS < LINE"),
-        (TITLE + b"inf > a\n", ":2: "),
-        (TITLE + b"0.1 x a\n", r":2: .*SECONDS < LINE"),
-        (TITLE + b"0.1 < \\xzz\n", r":2: .*escape"),
-        (TITLE + "٣.٥ < a\n".encode(), r":2: .*SECONDS < LINE"),
-        (TITLE + b"1_0.0 < a\n", ":2: "),
+        (FIRST_LINE + b"x < t:1\n", r":2: .*SECONDS < LINE"),
+        (FIRST_LINE + b"0.5 < a\n0.3 < b\n", r":3: .*backwards"),
+        (FIRST_LINE + b"0.5 < a\nnan < b\n", r":3: .*nan < b.*SECONDS < LINE"),
+        (FIRST_LINE + b"inf > a\n", ":2: "),
+        (FIRST_LINE + b"0.1 x a\n", r":2: .*SECONDS < LINE"),
+        (FIRST_LINE + b"0.1 < \\xzz\n", r":2: .*escape"),
+        (FIRST_LINE + "٣.٥ < a\n".encode(), r":2: .*SECONDS < LINE"),
+        (FIRST_LINE + b"1_0.0 < a\n", ":2: "),
     ],
 )
-def test_a_recording_that_cannot_be_true_is_refused_by_line(tmp_path, text, where):
+def test_an_invalid_recording_is_refused_with_its_line(tmp_path, text, where):
     path = tmp_path / "run.txt"
     path.write_bytes(text)
     with refused(where):

@@ -1,7 +1,8 @@
-"""A film of a world that nobody measured: rays from each pixel to floor, links and tags.
+"""A renderer of films by rays from each pixel to floor, links and tags.
 
-Shares no formula with the instrument: pixels are traced into the world, lens distortion is undone
-by iteration once a camera, tags lie at their own heights and tilts, rows are exposed one by one.
+It shares no formula with the measurement: rays are traced from pixels into the world, lens
+distortion is inverted by iteration, every tag has its own height and tilt, rows are exposed one
+after the other.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ Pose = Callable[[float], tuple[np.ndarray, np.ndarray]]  # time -> centres (n, 2
 
 @dataclass(frozen=True)
 class Lens:
-    """A camera on a tripod: where it stands, what it looks at, and what its lens does."""
+    """A camera on a tripod: position, target, image size, distortion, exposure and noise."""
 
     eye_m: tuple[float, float, float] = (0.0, -0.35, 0.75)
     target_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -30,18 +31,18 @@ class Lens:
     focal_px: float = 800.0
     k1: float = 0.0
     k2: float = 0.0
-    middle_px: tuple[float, float] = (0.0, 0.0)  # off the image's middle
+    middle_px: tuple[float, float] = (0.0, 0.0)  # of the optical axis from the image's middle
     exposure_s: float = 0.004
     rolling_s: float = 0.0  # readout of all rows
     noise: float = 2.0
 
     def axes(self) -> np.ndarray:
-        """Return the camera's right, down and ahead in the world, (3, 3)."""
-        ahead = np.subtract(self.target_m, self.eye_m)
-        ahead /= np.linalg.norm(ahead)
-        right = np.cross(ahead, [0.0, 1.0, 0.0] if abs(ahead[2]) > 0.999 else [0.0, 0.0, 1.0])
+        """Return the camera's right, down and forward axes in the world, (3, 3)."""
+        forward = np.subtract(self.target_m, self.eye_m)
+        forward /= np.linalg.norm(forward)
+        right = np.cross(forward, [0.0, 1.0, 0.0] if abs(forward[2]) > 0.999 else [0.0, 0.0, 1.0])
         right /= np.linalg.norm(right)
-        return np.array([right, np.cross(ahead, right), ahead])
+        return np.array([right, np.cross(forward, right), forward])
 
     def pixels(self, points: np.ndarray) -> np.ndarray:
         """Return the pixels of points (..., 3) in the world, (..., 2)."""
@@ -52,20 +53,20 @@ class Lens:
         return middle + self.focal_px * flat * (1 + self.k1 * s + self.k2 * s**2)
 
     def rays(self) -> np.ndarray:
-        """Return each pixel's direction in the world, (h, w, 3)."""
+        """Return the direction of each pixel in the world, (height, width, 3)."""
         columns = np.arange(self.width) + 0.5 - self.width / 2 - self.middle_px[0]
         rows = np.arange(self.height) + 0.5 - self.height / 2 - self.middle_px[1]
-        seen = np.stack(np.meshgrid(columns, rows), axis=-1) / self.focal_px
-        true = seen.copy()
+        distorted = np.stack(np.meshgrid(columns, rows), axis=-1) / self.focal_px
+        ideal = distorted.copy()
         for _ in range(30):
-            s = np.sum(true**2, axis=-1, keepdims=True)
-            true = seen / (1 + self.k1 * s + self.k2 * s**2)
-        return (np.insert(true, 2, 1.0, axis=-1) @ self.axes()).astype(np.float32)
+            s = np.sum(ideal**2, axis=-1, keepdims=True)
+            ideal = distorted / (1 + self.k1 * s + self.k2 * s**2)
+        return (np.insert(ideal, 2, 1.0, axis=-1) @ self.axes()).astype(np.float32)
 
 
 @dataclass(frozen=True)
 class Body:
-    """Links with tags: sizes, and how each tag sits."""
+    """Links with tags: their sizes, and the mounting of each tag."""
 
     links: int = 6
     link_m: float = 0.076
@@ -80,7 +81,7 @@ class Body:
 
 @dataclass(frozen=True)
 class Glare:
-    """A lamp's reflection on the floor plane: tags inside are washed out."""
+    """The reflection of a lamp, in which tags are too bright to be seen."""
 
     centre_m: tuple[float, float] = (0.0, 0.0)
     radius_m: float = 0.08
@@ -89,7 +90,7 @@ class Glare:
 
 @dataclass
 class Film:
-    """Draw frames of a moving body."""
+    """A film of a moving body; it draws frames at given times."""
 
     lens: Lens
     body: Body
@@ -97,7 +98,7 @@ class Film:
     seed: int = 1
     glare: Glare | None = None
     up: int = 3
-    steps: int = 1  # moments inside an exposure
+    steps: int = 1  # number of times averaged in an exposure
 
     def __post_init__(self) -> None:
         self.rng = np.random.default_rng(self.seed)
@@ -132,25 +133,25 @@ class Film:
         return np.clip(image, 0, 255).astype(np.uint8)
 
     def _plane(self, height_m: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return x and y at which each pixel sees a plane of a height."""
+        """Return x and y, m, where the ray of each pixel meets the plane at a height."""
         d = self.directions
         t = (height_m - self.eye[2]) / np.minimum(d[..., 2], -1e-3)
         return self.eye[0] + t * d[..., 0], self.eye[1] + t * d[..., 1]
 
     def _shine(self, lamp: Glare) -> np.ndarray:
         x, y = self._plane(self.body.height_m)
-        far = np.hypot(x - lamp.centre_m[0], y - lamp.centre_m[1]) / lamp.radius_m
-        return (lamp.strength * np.exp(-(far**4))).astype(np.float32)
+        distance = np.hypot(x - lamp.centre_m[0], y - lamp.centre_m[1]) / lamp.radius_m
+        return (lamp.strength * np.exp(-(distance**4))).astype(np.float32)
 
     def _box(self, i: int, t_s: float) -> tuple[slice, slice]:
         """Return the pixels that a link can touch while the frame is exposed, with a margin."""
         lens, body = self.lens, self.body
-        spans = lens.exposure_s + lens.rolling_s
-        ends = np.array([self.pose(t_s + late)[0][i] for late in (-spans, 0.0, spans)])
-        seen = lens.pixels(np.column_stack([ends, np.full(3, body.height_m)]))
-        near = np.linalg.norm(np.append(ends[1], body.height_m) - self.eye)
-        reach = 0.75 * max(body.link_m, body.width_m) * lens.focal_px / near + 4
-        low, high = seen.min(axis=0) - reach, seen.max(axis=0) + reach
+        span_s = lens.exposure_s + lens.rolling_s
+        centres = np.array([self.pose(t_s + late)[0][i] for late in (-span_s, 0.0, span_s)])
+        pixels = lens.pixels(np.column_stack([centres, np.full(3, body.height_m)]))
+        distance = np.linalg.norm(np.append(centres[1], body.height_m) - self.eye)
+        margin = 0.75 * max(body.link_m, body.width_m) * lens.focal_px / distance + 4
+        low, high = pixels.min(axis=0) - margin, pixels.max(axis=0) + margin
         size = np.array([lens.width, lens.height])
         (left, top), (right, bottom) = np.clip([low, high], 0, size).astype(int).tolist()
         return slice(top, bottom), slice(left, right)
@@ -165,13 +166,13 @@ class Film:
         row = (np.arange(size[1]) + 0.5) / self.up + rows.start
         colour, cover = 0.0, 0.0
         for k in range(self.steps):
-            inside = ((k + 0.5) / self.steps - 0.5) * self.lens.exposure_s
-            light, there = self._trace(i, d, t_s + inside, row)
-            colour, cover = colour + light * there, cover + there
+            delay_s = ((k + 0.5) / self.steps - 0.5) * self.lens.exposure_s
+            light, hit = self._trace(i, d, t_s + delay_s, row)
+            colour, cover = colour + light * hit, cover + hit
         small = (size[0] // self.up, size[1] // self.up)
         light = cv2.resize(np.asarray(colour, np.float32), small, interpolation=cv2.INTER_AREA)
-        there = cv2.resize(np.asarray(cover, np.float32), small, interpolation=cv2.INTER_AREA)
-        image[box] = image[box] * (1 - there / self.steps) + light / self.steps
+        hit = cv2.resize(np.asarray(cover, np.float32), small, interpolation=cv2.INTER_AREA)
+        image[box] = image[box] * (1 - hit / self.steps) + light / self.steps
 
     def _trace(
         self, i: int, d: np.ndarray, t_s: float, row: np.ndarray
@@ -196,13 +197,13 @@ class Film:
         oz = np.float32(self.eye[2] - b.height_m - lift)
         t = (slope[0] * ox + slope[1] * oy - oz) / (d[..., 2] - slope[0] * vx - slope[1] * vy)
         x, y = ox + t * vx, oy + t * vy
-        there = (np.abs(x) < 0.42 * b.link_m) & (np.abs(y) < b.width_m / 2)
+        hit = (np.abs(x) < 0.42 * b.link_m) & (np.abs(y) < b.width_m / 2)
         cell = np.float32(6 / b.side_m)
         column = np.clip((x * cell + 4).astype(np.int32), 0, 7)
         line = np.clip((4 - y * cell).astype(np.int32), 0, 7)
         bright = self.bits[i][line, column] * np.float32(0.82) + np.float32(22)
         label = (np.abs(x * cell) < 4) & (np.abs(y * cell) < 4)
-        return np.where(label, bright, np.float32(70)), there.astype(np.float32)
+        return np.where(label, bright, np.float32(70)), hit.astype(np.float32)
 
 
 def write(
@@ -212,7 +213,7 @@ def write(
     crf: int = 20,
     gop: int = 250,
 ) -> Path:
-    """Encode frames at their times as a phone would; gop: frames to the next that stands alone."""
+    """Encode frames at their times, as a phone does; gop: frames from one key frame to the next."""
     with av.open(str(path), "w") as box:
         stream = box.add_stream("libx264", rate=30)
         stream.height, stream.width = frames[0].shape

@@ -13,7 +13,7 @@ from command_line import serpenoid
 from refusals import refused
 from video.answers import film_answer, remarks_of
 from video.filming import Body, Film, Lens, write
-from video.worlds import LINK_M, QUICK, SIDE_M, crawling, errors, most_sigmas
+from video.worlds import LINK_M, QUICK, SIDE_M, crawling, errors, max_sigmas
 
 TIMES = np.arange(0, 1.7, 1 / 30)
 LEFT = np.arange(640) < 320  # columns of a picture in which the tail stays
@@ -66,7 +66,7 @@ def test_a_knock_is_told_and_widens_the_sigmas_and_a_push_is_refused(frames, tol
     run, remarks = knocked(0.9, 0)
     assert "moved by 0.9 px, from 1." in remarks["camera"]
     assert abs(run.speed_m_s / QUICK.speed_m_s - 1) > 0.003
-    assert most_sigmas(errors(run, QUICK)) < 4
+    assert max_sigmas(errors(run, QUICK)) < 4
     with refused(r"moved by 7\.\d px, from 1\.\d s on; .* Put the phone on a tripod"):
         knocked(7.0, 2)
 

@@ -1,4 +1,4 @@
-"""Edges, overtones and long films without the film: what pictures would take long to show."""
+"""Edges of tags, harmonics and long films, tested without rendering whole films."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ SQUARE = 0.5 * SIDE_M * np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -
 NOISE_PX = 0.15
 
 
-def drawn_square(quad: np.ndarray, blur_px: float, fine: int = 16) -> np.ndarray:
-    """Return a black square in a white rim, as a picture that was averaged over its pixels."""
-    big = np.full((120 * fine, 120 * fine), 160, np.uint8)
+def drawn_square(quad: np.ndarray, blur_px: float, subpixels: int = 16) -> np.ndarray:
+    """Return a picture of a black square with a white rim, averaged over each pixel."""
+    big = np.full((120 * subpixels, 120 * subpixels), 160, np.uint8)
     middle = quad.mean(axis=0)
-    for grow, grey in ((8 / 6, 235), (1.0, 25)):
-        shape = (middle + grow * (quad - middle) + 0.5) * fine - 0.5
+    for scale, grey in ((8 / 6, 235), (1.0, 25)):
+        shape = (middle + scale * (quad - middle) + 0.5) * subpixels - 0.5
         cv2.fillConvexPoly(big, np.round(shape * 16).astype(np.int32), grey, shift=4)
     small = cv2.resize(big, (120, 120), interpolation=cv2.INTER_AREA)
     return cv2.GaussianBlur(small, (0, 0), blur_px)
 
 
 @pytest.mark.parametrize("off_px", [-2.0, 2.0])
-def test_a_tag_that_moves_keeps_its_size(off_px: float) -> None:
-    """Blur over three pixels, half a cell of the tag: corners to start from are off across it."""
+def test_motion_blur_does_not_change_the_size_of_a_tag(off_px: float) -> None:
+    """The blur is 3 pixels, half a cell of the tag; the first corners are wrong across it."""
     square = 17 * np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]]) + [60.3, 58.8]
     picture = cv2.blur(drawn_square(square, 0.5), (3, 1))
     start = square + off_px * np.sign(square - square.mean(axis=0)) * [1, 0]
@@ -38,18 +38,18 @@ def test_a_tag_that_moves_keeps_its_size(off_px: float) -> None:
     assert found[0, 1, 0] - found[0, 0, 0] == pytest.approx(34, abs=0.15)
 
 
-def test_overtones_stay_small_where_part_of_a_cycle_is_never_seen() -> None:
+def test_harmonics_stay_small_if_part_of_a_cycle_is_not_visible() -> None:
     rng = np.random.default_rng(0)
     t = np.linspace(0.0, 10.0, 600)
     phi = np.sin(2 * np.pi * t)[:, None] + 0.01 * rng.normal(size=(600, 1))
-    seen = ((t % 1.0) < 0.25).astype(float)[:, None]
-    found = weighted(basis(t, 2 * np.pi), phi, seen)
+    visible = ((t % 1.0) < 0.25).astype(float)[:, None]
+    found = weighted(basis(t, 2 * np.pi), phi, visible)
     assert np.hypot(found[1, 0], found[2, 0]) == pytest.approx(1.0, abs=0.1)
-    assert np.abs(found[3:]).max() < 0.3  # 3.2 where nothing holds them
+    assert np.abs(found[3:]).max() < 0.3  # 3.2 without a penalty
 
 
-def sighted(world: World, t_s: np.ndarray, lens: Lens) -> Sightings:
-    """Return where a pinhole sees the tags' corners, with noise."""
+def sightings_of(world: World, t_s: np.ndarray, lens: Lens) -> Sightings:
+    """Return the pixels of the tags' corners in a pinhole camera, with noise."""
     poses = [world.pose(t) for t in t_s]
     centre, theta = np.array([p[0] for p in poses]), np.array([p[1] for p in poses])
     cos, sin = np.cos(theta)[..., None], np.sin(theta)[..., None]
@@ -60,14 +60,15 @@ def sighted(world: World, t_s: np.ndarray, lens: Lens) -> Sightings:
     return Sightings.from_corners(t_s, pixels + NOISE_PX * noise, (lens.width, lens.height))
 
 
-def test_a_long_film_is_measured_as_a_short_one() -> None:
+def test_a_long_film_is_measured() -> None:
     seconds = 21
     world = crawling(links=3, omega_rad_s=4.0, speed_m_s=0.2 / seconds, start_m=-0.1)
-    s = sighted(world, np.arange(0, seconds, 1 / 30), Lens())
-    found = measure(*follow(s, SIDE_M, first_cameras(s, LINK_M, SIDE_M)))
-    m = found.motion
-    assert m.omega_rad_s == pytest.approx(world.omega_rad_s, abs=5 * found.sigmas[0])
+    sightings = sightings_of(world, np.arange(0, seconds, 1 / 30), Lens())
+    cameras = first_cameras(sightings, LINK_M, SIDE_M)
+    found = measure(*follow(sightings, SIDE_M, cameras))
+    motion = found.motion
+    assert motion.omega_rad_s == pytest.approx(world.omega_rad_s, abs=5 * found.sigmas[0])
     assert found.sigmas[0] < 1e-3 * world.omega_rad_s / seconds
-    assert m.amplitude_rad == pytest.approx(world.amplitude_rad, abs=np.radians(0.1))
-    assert m.speed_m_s == pytest.approx(world.speed_m_s, rel=0.003)
+    assert motion.amplitude_rad == pytest.approx(world.amplitude_rad, abs=np.radians(0.1))
+    assert motion.speed_m_s == pytest.approx(world.speed_m_s, rel=0.003)
     assert found.sigmas[1 : world.links].max() < np.radians(0.1)

@@ -100,6 +100,6 @@ def errors(run, world: World) -> dict[str, np.ndarray]:
     return {name: np.array([error, error / sigma]) for name, (error, sigma) in off.items()}
 
 
-def most_sigmas(off: dict[str, np.ndarray]) -> float:
+def max_sigmas(off: dict[str, np.ndarray]) -> float:
     """Return the largest of all errors, in sigmas."""
     return max(float(np.abs(over).max()) for _, over in off.values())
