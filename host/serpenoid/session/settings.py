@@ -1,6 +1,6 @@
-"""The settings of a session, a dataclass for each table of session.toml.
+"""The settings of a session: a dataclass for each table of session.toml.
 
-session.toml is a file that people edit: what it says holds for all readings of the session.
+People edit session.toml; its settings hold for all readings of the session.
 """
 
 from __future__ import annotations
@@ -27,16 +27,17 @@ from .declaration import (
     word_field,
 )
 
-ASSUMED_LINK_KG = 0.0756  # the 2005 robot's, where nobody has weighed this one
-# Beyond these a number is a slip of units, not a reading: the joints end before 60 degrees, the
-# snake tumbles before 45, and no treadmill runs faster than 10 m/s.
+ASSUMED_LINK_KG = 0.0756  # Mass of a link of the 2005 robot, for a robot that is not weighed.
+# Limits of readings; beyond them a unit was mistaken. Joints cannot reach bends of 60 degrees, the
+# snake tumbles before 45 degrees, and no treadmill runs faster than 10 m/s.
 MAX_LAMBDA_DEG, MAX_INCLINE_DEG, MAX_SPEED_M_S = 60.0, 45.0, 10.0
-MAX_ANGLE_SIGMA_DEG = math.degrees(0.2)  # beyond it no linear law of small angles holds
-MAX_PLACE_SIGMA_M = 0.05  # sigma of a place; a tape is read to 1 to 5 mm, a film to 1 to 3 mm
+# Largest sigma of an angle; the fit takes small angles as linear.
+MAX_ANGLE_SIGMA_DEG = math.degrees(0.2)
+MAX_PLACE_SIGMA_M = 0.05  # Largest sigma of a position; those of tape and film are 1 to 5 mm.
 
 
 def text_field(note: str = "", words: str = "") -> Any:
-    """Declare a text that says something."""
+    """Declare a text that must not be empty. note, words: as of a Field."""
     return word_field(default=MISSING, blank=False, note=note, words=words)
 
 
@@ -57,7 +58,7 @@ class Provenance(SettingsTable):
 
 @dataclass(frozen=True, kw_only=True)
 class RobotTable(SettingsTable):
-    """The table [robot]. mass_kg: of the whole robot; None: nobody has weighed it yet."""
+    """The table [robot]. mass_kg: mass of the whole robot; None if it is not weighed yet."""
 
     links: int = number_field(2, MAX_LINKS, words="number of links")
     link_length_m: float = number_field(
@@ -104,9 +105,9 @@ class RobotTable(SettingsTable):
 
     @classmethod
     def read(cls, table: Table) -> RobotTable:
-        """Return a file's table; an older file has the mass of one link, or says it was assumed.
+        """Return a file's table. An older file has the mass of one link, or marks it as assumed.
 
-        A mass without its unit that would make links denser than any metal raises BadInput.
+        Raises BadInput for a mass without its unit that would make links denser than any metal.
         """
         values = dict(table.values)
         if "link_mass_kg" in values:
@@ -121,7 +122,7 @@ class RobotTable(SettingsTable):
         return robot
 
     def check_mass(self) -> None:
-        """Raise BadInput for a mass that must have its unit: links are denser than any metal."""
+        """Raise BadInput if links are denser than any metal, so that the unit is doubtful."""
         if self.mass_kg and self.too_heavy:
             raise BadInput(
                 f"mass_kg is {self.mass_kg:g}; then a link of {self.link_length_m:g} m is heavier "
@@ -130,18 +131,18 @@ class RobotTable(SettingsTable):
             )
 
     def file_value(self, name: str) -> Any:
-        """Return the value of a key as a new file has it; with its unit where it is in doubt."""
+        """Return the value of a key for a new file, with its unit if that is doubtful."""
         value = super().file_value(name)
         return f"{value:.10g} kg" if name == "mass_kg" and self.too_heavy else value
 
     @property
     def too_heavy(self) -> bool:
-        """Tell whether a link outweighs a cube of the densest metal."""
+        """Return whether a link is heavier than a cube of the densest metal."""
         return (self.mass_kg or 0.0) / self.links > MAX_DENSITY_KG_M3 * self.link_length_m**3
 
     @property
     def tag_side_m(self) -> float | None:
-        """Return the side of a printed tag; None where nobody said it."""
+        """Return the side of a printed tag, m; None if it is not stated."""
         return None if self.tag_mm is None else in_si("tag_mm", self.tag_mm)
 
 
@@ -179,15 +180,17 @@ def _planned_gait(value: Any) -> Gait:
 
 @dataclass(frozen=True, kw_only=True)
 class Instruments(SettingsTable):
-    """The table [instruments]: standard deviations, 0 for what is exact, and steps.
+    """The table [instruments]: standard deviations (0: exact), and smallest steps.
 
-    incline_sigma_deg: of one reading of the inclinometer; incline_zero_sigma_deg: of its zero.
-    belt_speed_sigma_m_s: of one belt speed past the snake. lambda_sigma_deg: of one bend,
-    joint_sigma_deg: of each joint about straight. Common to all readings: belt_scale_sigma_percent,
-    of the belt's true speed over the one shown, and mass_sigma_percent, of the mass.
-    distance_sigma_m, time_sigma_s: of tape and stopwatch. film_scale_sigma_percent: of lengths in
-    films. push_time_sigma_s: of a push timed by hand. floor_slope_sigma_deg: of the floor's slope,
-    before pushes both ways tell it.
+    Standard deviations of single readings: incline_sigma_deg of the inclinometer,
+    belt_speed_sigma_m_s of the belt's speed past the snake, lambda_sigma_deg of a bend,
+    joint_sigma_deg of each joint's error from straight, distance_sigma_m and time_sigma_s of tape
+    and stopwatch, push_time_sigma_s of a push timed by hand.
+
+    Standard deviations of errors that all readings share: incline_zero_sigma_deg of the
+    inclinometer's zero, belt_scale_sigma_percent of the ratio of true to shown belt speed,
+    mass_sigma_percent of the mass, film_scale_sigma_percent of lengths in films,
+    floor_slope_sigma_deg of the floor's slope, before it is fitted.
     """
 
     incline_sigma_deg: float = number_field(
@@ -265,19 +268,20 @@ class Instruments(SettingsTable):
     floor_slope_sigma_rad = in_si_units("floor_slope_sigma_deg")
 
     def speed(self, distance_m: float, time_s: float) -> tuple[float, float]:
-        """Return the mean speed over a distance and its standard deviation, m/s."""
+        """Return the mean speed over a distance, and its standard deviation, m/s."""
         speed_m_s = distance_m / time_s
-        off_m = math.hypot(self.distance_sigma_m, speed_m_s * self.time_sigma_s)
-        return speed_m_s, off_m / time_s
+        sigma_m = math.hypot(self.distance_sigma_m, speed_m_s * self.time_sigma_s)
+        return speed_m_s, sigma_m / time_s
 
 
 @dataclass(frozen=True, kw_only=True)
 class Plan(SettingsTable):
-    """The table [plan]: which stations or pushes are to be taken, and which gaits to run.
+    """The table [plan]: the stations or pushes to take, and the gaits to run.
 
-    On a treadmill: every bend of lambda_deg, from the first incline up to the top speed. On a
-    floor: in each bend of push_lambda_deg `pushes` pushes. gaits: to be run on level ground
-    afterwards, each gait_runs times. bend: "balanced", or "zigzag" for a robot that is guided.
+    On a treadmill, stations are taken in every bend of lambda_deg, at inclines from
+    incline_start_deg in steps of incline_step_deg until the belt would exceed belt_speed_max_m_s.
+    On a floor, each bend of push_lambda_deg has `pushes` pushes. Afterwards each of gaits is run
+    gait_runs times on level ground. bend: "balanced", or "zigzag" for a robot that is guided.
     """
 
     on: str = word_field(
@@ -305,7 +309,7 @@ class Plan(SettingsTable):
 
     @classmethod
     def read(cls, table: Table) -> Plan:
-        """Return a file's table; raises BadInput for ratchet wheels, which older programs knew."""
+        """Return a file's table; raises BadInput for the ratchet wheels of older versions."""
         what = "a fit knows one friction along the wheels, not another backwards"
         return super().read(table.without_removed({"ratchet": what}))
 
@@ -321,7 +325,7 @@ TABLES: dict[str, type[SettingsTable]] = {
 
 @dataclass(frozen=True)
 class Setup:
-    """All of a session but its readings: its name, and the tables of session.toml."""
+    """The set-up of a session: its name, and the tables of session.toml."""
 
     name: str
     provenance: Provenance
@@ -345,13 +349,13 @@ class Setup:
 
     @cached_property
     def robot(self) -> Robot:
-        """Return the robot, as weighed and measured."""
+        """Return the robot with the measured mass, or the assumed one."""
         table = self.robot_table
         link_kg = ASSUMED_LINK_KG if table.mass_kg is None else table.mass_kg / table.links
         return Robot(table.links, link_kg, table.link_length_m)
 
     def in_words(self) -> str:
-        """Return what a fit takes from session.toml, and what of it is still to be filled in."""
+        """Return the settings that a fit uses, in words, and those that are still empty."""
         tools, robot = self.instruments, self.robot
         grams, mm = 1000 * robot.links * robot.link_mass_kg, 1000 * robot.link_length_m
         treadmill = (
@@ -369,17 +373,17 @@ class Setup:
 
     @property
     def mass_sigma(self) -> float:
-        """Return the relative standard deviation of the mass; 5 % where it was not weighed."""
+        """Return the relative standard deviation of the mass; at least 5 % if it is assumed."""
         stated = self.instruments.mass_sigma
         return max(stated, 0.05) if self.robot_table.mass_kg is None else stated
 
     @property
     def weight_n(self) -> float:
-        """Return the weight of the whole snake, the m g of Eqs. 58 and 60."""
+        """Return the weight of the whole snake, N: m g of Eqs. 58 and 60."""
         return self.robot.links * self.robot.link_mass_kg * self.laboratory.gravity_m_s2
 
     def text(self, program: str, created_utc: str) -> str:
-        """Return session.toml."""
+        """Return the text of session.toml."""
         head = (
             "# How this session is set up. Correct here what is mistyped, and fill in what is "
             "empty: it holds for\n# all readings of the session, and the next fit takes it. "
@@ -391,7 +395,7 @@ class Setup:
 
 
 def changes(earlier: Setup, setup: Setup) -> list[str]:
-    """Return what differs between two set-ups, a line a setting."""
+    """Return the differences between two set-ups, a line for each setting."""
     lines = list[str]()
     for (name, old), new in zip(earlier.tables.items(), setup.tables.values(), strict=True):
         for key in old.declared:
@@ -402,9 +406,9 @@ def changes(earlier: Setup, setup: Setup) -> list[str]:
 
 
 def amended(top: Table, details: Sequence[str], path: Path) -> Table:
-    """Return session.toml with the amendments that older programs kept in events.csv put in.
+    """Return session.toml with the amendments that older versions kept in events.csv.
 
-    Raises BadInput where instruments changed: a session has one set of them.
+    details: amendments as TOML. path: events.csv. Raises BadInput if instruments were amended.
     """
     values, tables = dict(top.values), ("robot", "laboratory", "plan", "provenance")
     with located(str(path)):

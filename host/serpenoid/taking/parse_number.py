@@ -1,6 +1,6 @@
-"""What a person types: numbers with units (comma decimals, grade, km/h), and cells.
+"""Parse what a person types: numbers with units, such as 2,3 deg, 4 % or 1.6 km/h, and cells.
 
-A bare number is in the field's own unit, a belt's speed in the one that its treadmill shows.
+A number without a unit is in the field's own unit; a belt's speed is in that of the treadmill.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from ..session.declaration import Field, Range, Units
 from ..session.folder import kind_of
 from ..session.settings import Setup
 
-SPELLINGS = {  # unit -> how people and programs write it, too
+SPELLINGS = {  # Unit -> other spellings of it, by people and programs.
     "deg": "° degree degrees",
     "%": "percent",
     "km/h": "kmh kph km/hr",
@@ -37,7 +37,7 @@ SPELLINGS = {  # unit -> how people and programs write it, too
 
 
 def spelled_unit(text: str, units: Units) -> str:
-    """Return which of some units a text names, "" if it is none of them."""
+    """Return the unit that a text names, "" if it is none of units."""
     spelled = text.casefold()
     for unit in units:
         if spelled in (unit.casefold(), *SPELLINGS.get(unit, "").split()):
@@ -46,14 +46,18 @@ def spelled_unit(text: str, units: Units) -> str:
 
 
 def bare_unit(field: Field, belt_unit: str) -> str:
-    """Return the unit of a number that is typed without one."""
+    """Return the unit of a number that is typed without one.
+
+    belt_unit: unit that the treadmill shows; "" if unknown.
+    """
     return belt_unit if belt_unit and field.column.startswith("belt_speed") else field.unit
 
 
 def first_number(text: str, field: Field, belt_unit: str = "") -> tuple[float, str]:
     """Return a line's first number in the field's unit, and the rest of the line.
 
-    Raises BadInput with one sentence that says the way out.
+    Raises BadInput, with a sentence on what to type, if there is no number, or if it is outside the
+    field's limits.
     """
     text = text.strip().replace("−", "-")
     if not text and field.usual is not None:
@@ -76,18 +80,21 @@ def first_number(text: str, field: Field, belt_unit: str = "") -> tuple[float, s
 
 
 def read_number(text: str, field: Field) -> float:
-    """Return the number of an option or a cell; raises BadInput for a bare one that is doubtful."""
+    """Return an option's or a cell's number in the field's unit; raises BadInput.
+
+    A doubtful number must have its unit.
+    """
     value, remainder = first_number(text, field)
     if remainder:
         raise BadInput(f"{text!r} is more than one number; {field.example}")
     low, high = field.likely or (-math.inf, math.inf)
     if text.rstrip()[-1:].isdigit() and not low <= value <= high:
-        raise BadInput(f"{doubt_in_words(value, field, (low, high))}; type the unit, too")
+        raise BadInput(f"{doubt_in_words(value, field, (low, high))}; type the unit too")
     return value
 
 
 def doubt_in_words(value: float, field: Field, likely: Range) -> str:
-    """Return that a number is not where it is expected."""
+    """Return a sentence on a number outside the range where it is expected."""
     why = f" ({field.why})" if field.why else ""
     name = field.words.partition(" (")[0]
     span = f"{likely[0]:.3g} to {likely[1]:.3g} {field.unit}"
@@ -103,9 +110,10 @@ def _converted(number: float, unit: str, field: Field) -> float:
 
 
 def typed_cells(kind: str, typed: Mapping[str, Any], setup: Setup) -> dict[str, Any]:
-    """Return a reading's values from those that were typed, numbers in text with their units.
+    """Return a reading's cells, column -> value, from typed ones; raises BadInput.
 
-    With what an empty answer means, and with what follows from others.
+    typed: numbers may be texts with units. Columns that are not typed get their usual value, and
+    those that follow from others are added.
     """
     values = dict(typed)
     for field in kind_of(kind).declared.values():
@@ -113,5 +121,5 @@ def typed_cells(kind: str, typed: Mapping[str, Any], setup: Setup) -> dict[str, 
         if field.is_number and isinstance(text, str):
             values[field.column] = read_number(text, field)
         elif field.usual is not None and not field.optional:
-            values.setdefault(field.column, field.usual)  # what was not said is not known
+            values.setdefault(field.column, field.usual)  # An optional column stays empty.
     return kind_of(kind).derived(values, setup.instruments)
