@@ -14,12 +14,13 @@ from .errors import BadInput
 # robot is larger than the universe (1e27 m) or lighter than an electron (1e-30 kg).
 LARGEST, SMALLEST = 1e30, 1e-30
 
-# What a scene may choose from.
-FORMULATIONS = ("explicit", "implicit")
-DRIVES = ("angle", "torque", "servo")
-STARTS = ("link1_at_rest", "zero_momentum", "steady")
-GAPS = ("slow_manifold", "zero")
-RECORDS = ("joints", "friction", "energy")
+CHOICES = {  # The words that a scene takes, by the names of its fields
+    "formulation": ("explicit", "implicit"),
+    "drive": ("angle", "torque", "servo"),
+    "start": ("link1_at_rest", "zero_momentum", "steady"),
+    "gap": ("slow_manifold", "zero"),
+    "record": ("joints", "friction", "energy"),
+}
 
 
 def check_number(
@@ -101,8 +102,12 @@ def check_kind(name: str, value: object, kind: type | tuple[type, ...], order: s
         raise BadInput(f"{name} is a {type(value).__name__}; it must be a {names}{order}")
 
 
-def check_choice(name: str, value: object, choices: tuple[str, ...]) -> str:
-    """Return value if it is one of the choices, or raise BadInput listing them."""
+def check_choice(name: str, value: object, choices: tuple[str, ...] = ()) -> str:
+    """Return value if it is one of the choices, or raise BadInput listing them.
+
+    choices: those of the field of a scene with this name, unless given.
+    """
+    choices = choices or CHOICES[name]
     if not isinstance(value, str) or value not in choices:
         raise BadInput(f"{name} is {value!r}; it must be one of {', '.join(choices)}")
     return value

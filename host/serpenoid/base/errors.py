@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-MOST_SHOWN = 2000  # characters of a message: what came from outside may be a megabyte
-
 
 def shortened(text: str) -> str:
     """Return a message without the middle if it is long: begin and way out stay."""
-    half = MOST_SHOWN // 2
-    return text if len(text) <= MOST_SHOWN else f"{text[:half]} [...] {text[-half:]}"
+    half = 1000  # characters of either part: text from outside may be a megabyte
+    return text if len(text) <= 2 * half else f"{text[:half]} [...] {text[-half:]}"
 
 
 class SerpenoidError(Exception):

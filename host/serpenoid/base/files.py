@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import os
+import re
 import stat
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -15,9 +16,6 @@ from typing import Any, NoReturn
 from .errors import BadInput, SerpenoidError
 
 MOST_BYTES = 16_000_000  # bytes of a file that people or this program write as text
-# Control characters, which a terminal obeys, are written out as \x1b, but for line ends and tabs.
-_CONTROL = (*range(32), *range(127, 160))
-_WRITTEN = {k: f"\\x{k:02x}" for k in _CONTROL if chr(k) not in "\n\t"}
 
 
 def check_file(path: Path, most_bytes: int = MOST_BYTES) -> int:
@@ -93,8 +91,9 @@ def _refuse_constant(name: str) -> NoReturn:
 
 
 def visible(text: str) -> str:
-    """Return a text from outside as a terminal may have it: what it obeys written out."""
-    return text.translate(_WRITTEN)
+    r"""Return a text from outside whose control characters, but line ends and tabs, are as \x1b."""
+    controls = r"[\x00-\x08\x0b-\x1f\x7f-\x9f]"
+    return re.sub(controls, lambda match: f"\\x{ord(match[0]):02x}", text)
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -11,10 +12,19 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Residuals = Callable[[Floats], Floats]
 
-# Standard deviations of the prior: step of central differences, and distance of two maxima that
-# are one and the same.
-DIFFERENCE_STEP, SAME_DISTANCE = 1e-3, 0.05
-LOG_DENSITY_RANGE = 8.0  # maxima that are lower than the highest by more are left out
+
+@dataclass(frozen=True)
+class SearchOptions:
+    """Numbers of the search for maxima.
+
+    difference_step: step of central differences, in standard deviations of the prior.
+    same_distance: distance of two maxima that are one and the same, in the same unit.
+    log_density_range: maxima that are lower than the highest by more are left out.
+    """
+
+    difference_step: float = 1e-3
+    same_distance: float = 0.05
+    log_density_range: float = 8.0
 
 
 class Maximum(NamedTuple):
@@ -44,7 +54,9 @@ def log_density(residuals: Residuals, x: Floats) -> Floats:
     return -0.5 * (np.sum(residuals(x) ** 2, axis=1) + np.sum(x**2, axis=1))
 
 
-def maxima(residuals: Residuals, starts: Floats) -> list[Maximum]:
+def maxima(
+    residuals: Residuals, starts: Floats, options: SearchOptions = SearchOptions()
+) -> list[Maximum]:
     """Return the maxima that least squares reach from starts (S, P), the highest first.
 
     residuals: of parameters (K, P), the differences (K, T) to the readings over their noise.
@@ -52,14 +64,15 @@ def maxima(residuals: Residuals, starts: Floats) -> list[Maximum]:
     from scipy.optimize import least_squares
 
     size = starts.shape[1]
-    steps = DIFFERENCE_STEP * np.eye(size)
+    step = options.difference_step
+    steps = step * np.eye(size)
 
     def with_prior(x: Floats) -> Floats:
         return np.append(residuals(x[None])[0], x)
 
     def jacobian(x: Floats) -> Floats:
         moved = residuals(np.vstack([x + steps, x - steps]))
-        return np.vstack([(moved[:size] - moved[size:]).T / (2 * DIFFERENCE_STEP), np.eye(size)])
+        return np.vstack([(moved[:size] - moved[size:]).T / (2 * step), np.eye(size)])
 
     reached = [
         least_squares(with_prior, start, jac=jacobian, max_nfev=60)  # pyright: ignore[reportArgumentType] (SciPy's stubs)
@@ -68,9 +81,9 @@ def maxima(residuals: Residuals, starts: Floats) -> list[Maximum]:
     reached.sort(key=lambda end: end.cost)
     distinct: list[Maximum] = []
     for end in reached:
-        if end.cost > reached[0].cost + LOG_DENSITY_RANGE:
+        if end.cost > reached[0].cost + options.log_density_range:
             break
-        if all(np.abs(end.x - maximum.x).max() > SAME_DISTANCE for maximum in distinct):
+        if all(np.abs(end.x - maximum.x).max() > options.same_distance for maximum in distinct):
             root = np.linalg.cholesky(np.linalg.inv(end.jac.T @ end.jac))
             distinct.append(Maximum(end.x, root, -float(end.cost)))
     return distinct

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,31 +11,54 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 LogDensity = Callable[[Floats], Floats]
 
-FREEDOM, WIDER = 6.0, 1.15  # Student's distribution about a mode: freedom, and width
-JITTER = 0.02  # scatter added to a move, in standard deviations of the particles
-CROSSOVERS = (0.2, 0.5, 1.0)  # shares of the parameters that a move changes
-JUMP_SHARE = 0.1  # share of moves by the whole difference, from one maximum to another
-SNAPSHOTS = 4  # sets of all samples that are kept, a fixed number of moves apart
+
+@dataclass(frozen=True)
+class Moves:
+    """Numbers of the moves by which samples explore a density.
+
+    jitter: scatter added to a move, in standard deviations of the samples. crossovers: shares of
+    the parameters that a move changes. jump_share: share of moves by the whole difference, from one
+    maximum to another. snapshots: sets of all samples that are kept, equally many moves apart.
+    """
+
+    jitter: float = 0.02
+    crossovers: tuple[float, ...] = 0.2, 0.5, 1.0
+    jump_share: float = 0.1
+    snapshots: int = 4
 
 
 def points_about(
-    mode: Floats, root: Floats, normal: int, count: int, rng: np.random.Generator
+    mode: Floats,
+    root: Floats,
+    normal: int,
+    count: int,
+    rng: np.random.Generator,
+    *,
+    freedom: float = 6.0,
+    width: float = 1.15,
 ) -> tuple[Floats, Floats]:
     """Return random points (count, D) about a mode (D,), and the logarithms of their density.
 
-    They are of Student's distribution, with a lower root (D, D) made somewhat wider. normal: how
+    They are of Student's distribution of so much freedom, with a lower root (D, D) times width.
+    normal: how
     many of the last coordinates are normal given the first: whole tails in many dimensions would be
     tails far out. The logarithms (count,) are but for a constant.
     """
     size = len(mode) - normal
     unit = rng.standard_normal((count, len(mode)))
-    unit[:, :size] /= np.sqrt(rng.chisquare(FREEDOM, (count, 1)) / FREEDOM)
-    tails = (FREEDOM + size) * np.log1p(np.sum(unit[:, :size] ** 2, axis=1) / FREEDOM)
+    unit[:, :size] /= np.sqrt(rng.chisquare(freedom, (count, 1)) / freedom)
+    tails = (freedom + size) * np.log1p(np.sum(unit[:, :size] ** 2, axis=1) / freedom)
     log_density = -0.5 * (tails + np.sum(unit[:, size:] ** 2, axis=1))
-    return mode + WIDER * unit @ root.T, log_density
+    return mode + width * unit @ root.T, log_density
 
 
-def explored(x: Floats, log_density: LogDensity, moves: int, rng: np.random.Generator) -> Floats:
+def explored(
+    x: Floats,
+    log_density: LogDensity,
+    moves: int,
+    rng: np.random.Generator,
+    how: Moves = Moves(),
+) -> Floats:
     """Return samples (M, N, D) of a density, from M equally spaced moves of the second half.
 
     x (N, D): where they begin, about the maxima. Each sample moves by the difference of two others
@@ -45,13 +69,13 @@ def explored(x: Floats, log_density: LogDensity, moves: int, rng: np.random.Gene
     log, snapshots = log_density(x), []
     for k in range(moves):
         pair = x[rng.permutation(count)] - x[rng.permutation(count)]
-        pair += JITTER * x.std(axis=0) * rng.normal(size=x.shape)
-        moved = rng.random(x.shape) < rng.choice(CROSSOVERS, size=(count, 1))
+        pair += how.jitter * x.std(axis=0) * rng.normal(size=x.shape)
+        moved = rng.random(x.shape) < rng.choice(how.crossovers, size=(count, 1))
         length = rng.uniform(0.5, 1.7, (count, 1)) / np.sqrt(np.maximum(moved.sum(1), 1))[:, None]
-        tried = x + np.where(rng.random((count, 1)) < JUMP_SHARE, 1.0, length) * moved * pair
+        tried = x + np.where(rng.random((count, 1)) < how.jump_share, 1.0, length) * moved * pair
         new = log_density(tried)
         accepted = np.log(rng.random(count)) < new - log
         x, log = np.where(accepted[:, None], tried, x), np.where(accepted, new, log)
-        if k >= moves // 2 and (moves - 1 - k) % (moves // (2 * SNAPSHOTS)) == 0:
+        if k >= moves // 2 and (moves - 1 - k) % (moves // (2 * how.snapshots)) == 0:
             snapshots.append(x)
     return np.array(snapshots)

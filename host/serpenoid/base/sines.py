@@ -10,9 +10,6 @@ import numpy as np
 from .vectors import Array
 
 HARMONICS = 3
-# Weight (of one sample: 1) that holds overtones at 0 where part of a cycle is never seen.
-OVERTONES_HELD = 2.5e-3
-_ROUNDS = 12
 
 
 def basis(t_s: Array, omega: float, harmonics: int = HARMONICS) -> Array:
@@ -37,7 +34,8 @@ def weighted(columns: Array, values: Array, weight: Array) -> Array:
     """
     normal = columns.T @ (weight.T[..., None] * columns)
     hold = np.full(columns.shape[1], 1e-9)
-    hold[3 : 1 + 2 * HARMONICS] = OVERTONES_HELD
+    # A sample weighs 1; overtones are held at 0 where part of a cycle is never seen.
+    hold[3 : 1 + 2 * HARMONICS] = 2.5e-3
     right = columns.T @ (weight * values)
     return np.linalg.solve(normal + np.diag(hold), right.T[..., None])[..., 0].T
 
@@ -47,7 +45,7 @@ def fit_sines(t_s: Array, phi: Array, weight: Array, omega: float) -> tuple[floa
 
     phi, weight (samples, joints); omega: the rate to start from, rad/s.
     """
-    for _ in range(_ROUNDS):
+    for _ in range(12):
         columns = basis(t_s, omega)
         sines = weighted(columns, phi, weight)
         slope = basis_by_rate(t_s, columns) @ sines

@@ -19,10 +19,6 @@ if TYPE_CHECKING:
     from _typeshed import HasFileno
 
 WINDOWS = sys.platform == "win32"
-USB = Path("/sys/bus/usb/devices")
-LOCK_OFFSET = 1 << 30  # Locked byte of Windows, beyond the end of the files that are locked.
-NAP_S = 0.01  # Time between two polls of the keyboard on Windows.
-ARROW_KEYS = {"H": "\x1b[A", "P": "\x1b[B", "M": "\x1b[C", "K": "\x1b[D"}
 
 
 def signals(*names: str) -> tuple[signal.Signals, ...]:
@@ -42,7 +38,7 @@ def lock(fd: int) -> bool:
                 import msvcrt
 
                 console: Any = msvcrt  # Type checkers know it on Windows only.
-                os.lseek(fd, LOCK_OFFSET, os.SEEK_SET)
+                os.lseek(fd, 1 << 30, os.SEEK_SET)  # behind all that is written in the file
                 console.locking(fd, console.LK_NBLCK, 1)
             else:
                 import fcntl
@@ -108,10 +104,11 @@ def _read_console(timeout_s: float) -> bytes | None:
     while not console.kbhit():
         if time.monotonic() >= end_s:
             return None
-        time.sleep(NAP_S)
+        time.sleep(0.01)
     key = console.getwch()
     if key in "\0\xe0":  # The prefix of an arrow or function key.
-        key = ARROW_KEYS.get(console.getwch(), "")
+        arrows = {"H": "\x1b[A", "P": "\x1b[B", "M": "\x1b[C", "K": "\x1b[D"}
+        key = arrows.get(console.getwch(), "")
     return {"\x03": "", "\x1a": "\x04"}.get(key, key).encode()
 
 
@@ -164,11 +161,7 @@ def group_of(path: str) -> str | None:
 
 def usb_vendors() -> set[str]:
     """Return the vendor ids of the USB devices on Linux, in hexadecimal digits."""
-    return {_word(vendor) for vendor in USB.glob("*/idVendor")}
-
-
-def _word(path: Path) -> str:
-    """Return the text of a small file of the system; "" if it is gone."""
-    with suppress(OSError):
-        return path.read_text(encoding="utf-8").strip()
-    return ""
+    files = Path("/sys/bus/usb/devices").glob("*/idVendor")
+    with suppress(OSError):  # a device may be unplugged meanwhile
+        return {file.read_text(encoding="utf-8").strip() for file in files}
+    return set()

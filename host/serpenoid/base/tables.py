@@ -18,14 +18,8 @@ from typing import TypeVar
 from .errors import BadInput
 from .files import csv_rows, read_bytes, with_line_feeds
 
-HEAD_LINES = 20  # lines of a file, among which the names of the columns are looked for
-SEPARATORS = ("\t", ";", ",", " ")  # tried in this order: a comma may be a decimal's, or in a name
-SHOWN = 120  # characters of a file's own line in a message
-EMPTY_CELLS = frozenset(("", "-", "--", "–", "?"))  # nothing was seen there
-NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
-# Of programs that hold a table but are none, by their names, and by how files begin.
+# Suffixes of files of other programs, which hold a table but are none.
 OTHER_PROGRAMS = (".trk", ".trz", ".kva", ".xlsx", ".xls", ".ods", ".numbers", ".json")
-BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"<?xml")  # workbooks, projects of Tracker, XML
 Columns = TypeVar("Columns")
 
 
@@ -45,7 +39,7 @@ class TextTable:
     def number(self, cell: str) -> float:
         """Return the number of a cell; raises ValueError."""
         text = cell.replace("−", "-").replace(",", ".")
-        if not NUMBER.fullmatch(text):
+        if not re.fullmatch(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", text):
             raise ValueError(f"{cell!r} is not a number")
         return float(text)
 
@@ -76,14 +70,14 @@ def read_table(
     """
     text = _decoded(path)
     lines = text.split("\n")
-    for number, line in enumerate(lines[:HEAD_LINES]):
-        for separator in SEPARATORS:
+    for number, line in enumerate(lines[:20]):
+        for separator in "\t;, ":  # in this order: a comma may be a decimal's, or in a name
             cells = _cells(line, separator)
             columns = find(cells) if cells else None
             if columns is not None:
                 return _table(path, text, lines, number, separator), columns
     first = next((line.strip() for line in lines if line.strip()), "")
-    says = f"its first line is {first[:SHOWN]!r}" if first else "the file is empty"
+    says = f"its first line is {first[:120]!r}" if first else "the file is empty"
     raise BadInput(
         f"{path}: no line names the columns that are needed; {says}; make the names of the "
         f"columns {needed}"
@@ -122,7 +116,8 @@ def _decoded(path: Path) -> str:
     """Return the text of a file in UTF-8, UTF-16 with its mark, or Windows-1252."""
     data = read_bytes(path)
     begin = data.lstrip(b"\xef\xbb\xbf")
-    if path.suffix.lower() in OTHER_PROGRAMS or begin.startswith(BINARY):
+    binary = b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"<?xml"  # workbooks, projects of Tracker, XML
+    if path.suffix.lower() in OTHER_PROGRAMS or begin.startswith(binary):
         raise BadInput(
             f"{path}: this is another program's own file; export the table there as text/CSV "
             "(Tracker: File > Export > Data File with t, x and y), and give that file"

@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from ..base.checks import FORMULATIONS
+from ..base.checks import CHOICES
 from ..model.drives import Servo
 from ..model.gait import Gait
 from ..model.ground import Ground
@@ -56,7 +56,7 @@ def variants(formulation: str, steps: int) -> dict[str, Scene]:
 def measure(quick: bool) -> Iterator[Cost]:
     """Yield the cost of each scene of both formulations; quick: from shorter runs."""
     steps = 5_000 if quick else 20_000
-    for formulation in FORMULATIONS:
+    for formulation in CHOICES["formulation"]:
         plain_us = 0.0
         for name, scene in variants(formulation, steps).items():
             times_s = []

@@ -15,7 +15,7 @@ import click
 
 import serpenoid as sn
 
-from ..base.checks import FORMULATIONS, NOT_NEGATIVE, POSITIVE, Limits
+from ..base.checks import CHOICES, NOT_NEGATIVE, POSITIVE, Limits
 from ..base.errors import BadInput
 from ..base.files import write_text
 from ..model.capture_rate import OPTION
@@ -95,7 +95,7 @@ row(
     option(
         "--formulation",
         "The exact model (explicit, unless given), or the paper's with springs in the joints.",
-        choice=FORMULATIONS,
+        choice=CHOICES["formulation"],
         research=True,
     ),
 )

@@ -14,7 +14,7 @@ import click
 import serpenoid as sn
 
 from .. import _core
-from ..base.checks import GAPS, STARTS, Limits
+from ..base.checks import CHOICES, Limits
 from ..show.screen import say
 from .declare import (
     EXISTING,
@@ -63,12 +63,15 @@ SETTINGS["scene"] = (
     Setting("dt_s", "time step", "s", usual="0.001"),
     Setting("tolerance", "error tolerance of methods with adaptive steps", usual="1e-7"),
     Setting(
-        "start", f"state at time 0: {', '.join(STARTS)}", usual="zero_momentum", read=plain_text
+        "start",
+        f"state at time 0: {', '.join(CHOICES['start'])}",
+        usual="zero_momentum",
+        read=plain_text,
     ),
     Setting(
         "gap",
-        f"implicit model: gaps of the joints at time 0: {', '.join(GAPS)}",
-        usual=GAPS[0],
+        f"implicit model: gaps of the joints at time 0: {', '.join(CHOICES['gap'])}",
+        usual="slow_manifold",
         read=plain_text,
     ),
     Setting(

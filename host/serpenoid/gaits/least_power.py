@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import FORMULATIONS, check_choice, check_number
+from ..base.checks import check_choice, check_number
 from ..base.errors import BadInput, NotConverged
 from ..base.rows import Result, Row, detail, two_digits
 from ..base.vectors import Array
@@ -154,7 +154,7 @@ def least_power_gait(
     7.64
     """
     check_parts(robot, ground)
-    check_choice("formulation", formulation, FORMULATIONS)
+    check_choice("formulation", formulation)
     check_choice("cost", cost, COSTS)
     _check_speed(robot, speed_m_s)
     _check_friction(ground)

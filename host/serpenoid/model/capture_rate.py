@@ -15,13 +15,28 @@ from typing import Any
 
 from ..base.errors import BadInput
 
-PLAYED_HZ = (24.0, 25.0, 30.0, 50.0, 60.0, 90.0, 120.0, 240.0, 480.0, 960.0)
-RATE_ERROR = 0.04  # error of a rate, relative: 29.97 and 30.04 are 30
-# Below it nothing is played. Cameras drop pictures in dim light, and people mark each fourth one.
-SLOWEST_PLAYED_HZ, USUAL_HZ = 23.0, 30.0
-REAL_TIME = 1.5  # a rate up to so much above the one played: dropped pictures, not slow motion
-HIGHEST_HZ = 10_000.0
 OPTION = "--capture-fps"
+
+
+@dataclass(frozen=True)
+class FilmRates:
+    """Rates of films, in pictures a second.
+
+    played_hz: those that players show. error: relative error of a rate: 29.97 and 30.04 are 30.
+    slowest_hz: below it nothing is played: cameras drop pictures in dim light, and people mark each
+    fourth one; then usual_hz is played. dropped: a camera that took up to so many times the rate
+    that is played dropped pictures; above, it took slow motion. highest_hz: of any camera.
+    """
+
+    played_hz: tuple[float, ...] = (24.0, 25.0, 30.0, 50.0, 60.0, 90.0, 120.0, 240.0, 480.0, 960.0)
+    error: float = 0.04
+    slowest_hz: float = 23.0
+    usual_hz: float = 30.0
+    dropped: float = 1.5
+    highest_hz: float = 10_000.0
+
+
+RATES = FilmRates()
 
 
 @dataclass(frozen=True)
@@ -41,10 +56,10 @@ class CaptureRate:
     def time_scale(self) -> float:
         """Return what the file's times are multiplied with to be real ones."""
         ratio = self.taken_hz / self.played_hz
-        if ratio < REAL_TIME:
+        if ratio < RATES.dropped:
             return 1.0
         integer = round(ratio)
-        return 1.0 / (integer if abs(ratio / integer - 1.0) < RATE_ERROR else ratio)
+        return 1.0 / (integer if abs(ratio / integer - 1.0) < RATES.error else ratio)
 
     def in_words(self) -> str:
         """Return what was made of them, and what to do if that is wrong."""
@@ -66,13 +81,13 @@ def capture_rate(t_s: Any, taken_hz: float, source: str) -> CaptureRate:
     taken_hz: what the camera took a second; source: who says so. Raises BadInput where the file
     plays more than that: a time lapse, or a wrong number.
     """
-    if not 0.0 < taken_hz <= HIGHEST_HZ:
+    if not 0.0 < taken_hz <= RATES.highest_hz:
         raise BadInput(
             f"{source} says that the camera took {taken_hz:g} pictures a second; that is between 1 "
-            f"and {HIGHEST_HZ:g}: give the rate with --capture-fps"
+            f"and {RATES.highest_hz:g}: give the rate with --capture-fps"
         )
     file_hz = played_hz(t_s)
-    if taken_hz * REAL_TIME < file_hz:
+    if taken_hz * RATES.dropped < file_hz:
         raise BadInput(
             f"{source} says that the camera took {taken_hz:g} pictures a second, and the file "
             f"plays {file_hz:g}: is it a time lapse? Film at normal speed, or give the camera's "
@@ -84,7 +99,7 @@ def capture_rate(t_s: Any, taken_hz: float, source: str) -> CaptureRate:
 def slow_motion_doubt(t_s: Any) -> str:
     """Return what to ask where times (K,), s, are sparser than pictures of a film; else ""."""
     rate_hz = _rate_hz(t_s)
-    if rate_hz >= SLOWEST_PLAYED_HZ:
+    if rate_hz >= RATES.slowest_hz:
         return ""
     return (
         f"{rate_hz:.3g} places a second, and films have 24 or more. If it was made of a film in "
@@ -95,13 +110,13 @@ def slow_motion_doubt(t_s: Any) -> str:
 def _rate_hz(t_s: Any) -> float:
     times_s = sorted(map(float, t_s))
     gaps_s = [end - start for start, end in pairwise(times_s) if end > start]
-    return 1.0 / median(gaps_s) if gaps_s else USUAL_HZ
+    return 1.0 / median(gaps_s) if gaps_s else RATES.usual_hz
 
 
 def played_hz(t_s: Any) -> float:
     """Return how many pictures a second a player is told to show, from their times (K,), s."""
     rate_hz = _rate_hz(t_s)
-    nearest = min(PLAYED_HZ, key=lambda known_hz: abs(known_hz - rate_hz))
-    if abs(rate_hz / nearest - 1.0) < RATE_ERROR:
+    nearest = min(RATES.played_hz, key=lambda known_hz: abs(known_hz - rate_hz))
+    if abs(rate_hz / nearest - 1.0) < RATES.error:
         return nearest
-    return USUAL_HZ if rate_hz < SLOWEST_PLAYED_HZ else rate_hz
+    return RATES.usual_hz if rate_hz < RATES.slowest_hz else rate_hz

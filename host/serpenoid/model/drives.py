@@ -25,35 +25,44 @@ from ..base.checks import (
 from ..base.errors import BadInput
 from ..base.vectors import Array, number_array
 
-# What follows the stalled torque S (stiffness, friction) or the motor's line S / w0 (damping,
-# rotor): their own sigma says how uncertain the ratio is.
-_WITH_TORQUE = ("stiffness_nm_rad", "gear_friction_nm")
-_WITH_LINE = ("damping_nms_rad", "gear_damping_nms_rad", "armature_kg_m2")
-UNCERTAIN = (
-    "torque_limit_nm",
-    "speed_limit_rad_s",
-    *_WITH_TORQUE,
-    *_WITH_LINE,
-    "dead_band_rad",
-    "supply_sag",
-    "supply_v",
-)
-_MOST_FRICTION = 0.15  # share of the stalled torque; servos have 0.015 to 0.13
-_MOST_LOSS = 2.0  # the motor's free speed over the servo's no-load speed
-_BEYOND_TYPICAL = 1.5  # a source may say more: both limits over the typical servo's value
+# Fields that may be uncertain, and what they follow: the stalled torque S, the motor's line S / w0,
+# or nothing. The sigma of those that follow says how uncertain the ratio is.
+UNCERTAIN = {
+    "torque_limit_nm": "",
+    "speed_limit_rad_s": "",
+    "stiffness_nm_rad": "torque",
+    "gear_friction_nm": "torque",
+    "damping_nms_rad": "line",
+    "gear_damping_nms_rad": "line",
+    "armature_kg_m2": "line",
+    "dead_band_rad": "",
+    "supply_sag": "",
+    "supply_v": "",
+}
 REMOVED = {  # a field of older files, and what to do where it is not 0
     "backlash_rad": "serpenoid no longer has play in gears; remove the line for a gear without play"
 }
 FRAME_S = 0.02  # frame of a board with up to seven joints
-_HUNTS, _TRIES = 0.97, 100
-# Of a servo's fields; those of all others begin at 0.
-_LIMITS = {
-    "torque_limit_nm": POSITIVE,
-    "speed_limit_rad_s": POSITIVE,
-    "update_hz": Limits(0.0, 1e4),
-    "supply_sag": Limits(0.0, 1.0),
-    "frame_s": Limits(0.0, 0.1, open_low=True),
-}
+
+
+@dataclass(frozen=True)
+class SoldServos:
+    """Bounds of servos that are sold; what is drawn beyond them is drawn anew.
+
+    friction: dry friction of the gear over the stalled torque; servos have 0.015 to 0.13. loss: the
+    motor's free speed over the servo's no-load speed. beyond_typical: a source may say more; then
+    either bound is so many times the typical servo's value. loop_radius: above it a loop hunts.
+    tries: draws for each servo that is wanted.
+    """
+
+    friction: float = 0.15
+    loss: float = 2.0
+    beyond_typical: float = 1.5
+    loop_radius: float = 0.97
+    tries: int = 100
+
+
+SOLD = SoldServos()
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +175,14 @@ class Servo:
     supply_v: float = 0.0
 
     def __post_init__(self) -> None:
-        check_fields(self, dict.fromkeys(self.__slots__, NOT_NEGATIVE) | _LIMITS)
+        limits = {
+            "torque_limit_nm": POSITIVE,
+            "speed_limit_rad_s": POSITIVE,
+            "update_hz": Limits(0.0, 1e4),
+            "supply_sag": Limits(0.0, 1.0),
+            "frame_s": Limits(0.0, 0.1, open_low=True),
+        }
+        check_fields(self, dict.fromkeys(self.__slots__, NOT_NEGATIVE) | limits)
 
     @property
     def stall_torque_nm(self) -> float:
@@ -281,7 +297,7 @@ class ServoKind:
         for servo in (self.servo, *self.drawn):
             check_kind("servo", servo, Servo)
         for name, value in self.sigma.items():
-            check_choice("sigma", name, UNCERTAIN)
+            check_choice("sigma", name, tuple(UNCERTAIN))
             check_number(f"sigma of {name}", value, 0.0, 3.0)
         if self.sigma.get("supply_v") and not self.servo.supply_v:
             raise BadInput("sigma has supply_v, but the servo has none; give it supply_v, V")
@@ -392,7 +408,7 @@ class ServoKind:
         step = irrational ** -np.arange(1.0, len(shift) + 1)
         rates = self.updates_hz or (self.servo.update_hz,)
         normal, sold = NormalDist(), []
-        for k in range(_TRIES * count):
+        for k in range(SOLD.tries * count):
             *even, rate = np.clip((shift + k * step) % 1.0, 1e-12, 1 - 1e-12).tolist()
             units = [normal.inv_cdf(x) for x in even]
             servo = self._servo_of(units, rates[int(rate * len(rates))])
@@ -401,7 +417,7 @@ class ServoKind:
             if len(sold) == count:
                 return sold
         raise BadInput(
-            f"servo {self.name!r}: too few of {_TRIES * count} drawn ones are possible: their "
+            f"servo {self.name!r}: too few of {SOLD.tries * count} drawn ones are possible: their "
             "loops hunt, or their gears take too much; look at stiffness_nm_rad and sigma"
         )
 
@@ -423,21 +439,21 @@ class ServoKind:
             for name, x in zip(UNCERTAIN, (*normal, even), strict=True)
         }
         friction, loss = values["gear_friction_nm"], _loss(values)
-        if friction > max(_MOST_FRICTION, _BEYOND_TYPICAL * typical["gear_friction_nm"]):
+        if friction > max(SOLD.friction, SOLD.beyond_typical * typical["gear_friction_nm"]):
             return None
-        if loss > max(_MOST_LOSS, _BEYOND_TYPICAL * _loss(typical)):
+        if loss > max(SOLD.loss, SOLD.beyond_typical * _loss(typical)):
             return None
         torque = values["torque_limit_nm"] / (1 - friction)
         speed = values["speed_limit_rad_s"] * loss
         values |= {"torque_limit_nm": torque, "speed_limit_rad_s": speed}
-        values |= {name: values[name] * torque for name in _WITH_TORQUE}
-        values |= {name: values[name] * torque / speed for name in _WITH_LINE}
+        scales = _scales(torque, speed)
+        values = {name: value * scales[UNCERTAIN[name]] for name, value in values.items()}
         values["supply_sag"] = min(values["supply_sag"], 1.0)
         supply_v = values.pop("supply_v")
         servo = replace(self.servo, **values, update_hz=update_hz)
         if self.sigma.get("supply_v"):
             servo = servo.at_volts(supply_v)
-        return None if loop_radius(servo) >= _HUNTS else servo
+        return None if loop_radius(servo) >= SOLD.loop_radius else servo
 
 
 def _loss(ratios: Mapping[str, float]) -> float:
@@ -447,13 +463,17 @@ def _loss(ratios: Mapping[str, float]) -> float:
 
 def _ratios(servo: Servo) -> dict[str, float]:
     """Return what is drawn of a servo, by the names of UNCERTAIN: see `ServoKind`."""
-    torque, line = servo.torque_limit_nm, servo.torque_limit_nm / servo.speed_limit_rad_s
-    return (
-        {name: getattr(servo, name) for name in UNCERTAIN}
-        | {name: getattr(servo, name) / torque for name in _WITH_TORQUE}
-        | {name: getattr(servo, name) / line for name in _WITH_LINE}
-        | {"torque_limit_nm": servo.stall_torque_nm, "speed_limit_rad_s": servo.no_load_rad_s}
-    )
+    scales = _scales(servo.torque_limit_nm, servo.speed_limit_rad_s)
+    ratios = {name: getattr(servo, name) / scales[scale] for name, scale in UNCERTAIN.items()}
+    return ratios | {
+        "torque_limit_nm": servo.stall_torque_nm,
+        "speed_limit_rad_s": servo.no_load_rad_s,
+    }
+
+
+def _scales(torque_nm: float, speed_rad_s: float) -> dict[str, float]:
+    """Return what UNCERTAIN fields follow, by its values there."""
+    return {"": 1.0, "torque": torque_nm, "line": torque_nm / speed_rad_s}
 
 
 def loop_radius(servo: Servo) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _core
-from ..base.checks import FORMULATIONS, check_choice, check_number
+from ..base.checks import check_choice, check_number
 from ..base.errors import BadInput
 from ..base.vectors import Array, finite_vector
 from .core_model import check_parts, core_model
@@ -17,10 +17,6 @@ from .gait import Gait
 from .ground import Ground
 from .link_state import LinkState
 from .robot import Robot
-
-PARTS = 2  # parts of a state: q and qdot
-# Of the fields of Acceleration, in the core.
-_CORE_NAMES = ("ax", "ay", "alpha", "fx", "fy", "joint_fx", "joint_fy", "joint_torque")
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +113,7 @@ def acceleration(
     [0.2964, 0.3223, 5.9634, -7.6883, 2.5509]
     """
     check_parts(robot, ground)
-    check_choice("formulation", formulation, FORMULATIONS)
+    check_choice("formulation", formulation)
     links = _link_state(robot, state)
     request = _core.RunRequest(core_model(robot, ground, Gait(0.0, 0.0, 1.0)))
     request.formulation = getattr(_core.Formulation, formulation)
@@ -130,15 +126,19 @@ def acceleration(
     request.joint_damping_n_s_m = check_number("joint_damping_n_s_m", joint_damping_n_s_m, 0.0)
     by_joint = finite_vector(*imposed[0], robot.links - 1)
     values = _core.evaluate(request, links.packed(), by_joint)
-    return Acceleration(*(values[name] for name in _CORE_NAMES))
+    names = "ax", "ay", "alpha", "fx", "fy", "joint_fx", "joint_fy", "joint_torque"
+    return Acceleration(*(values[name] for name in names))
 
 
 def _link_state(robot: Robot, state: Any) -> LinkState:
     """Return a state as positions and rates of all links."""
     if not isinstance(state, LinkState):
-        if not isinstance(state, (tuple, list)) or len(state) != PARTS:
-            raise BadInput(f"state is a {type(state).__name__}; give a LinkState or (q, qdot)")
-        state = LinkState.joined(robot, *state)
+        try:
+            q, qdot = state
+        except (TypeError, ValueError):
+            kind = type(state).__name__
+            raise BadInput(f"state is a {kind}; give a LinkState or (q, qdot)") from None
+        state = LinkState.joined(robot, q, qdot)
     if state.links != robot.links:
         raise BadInput(f"state has {state.links} links, the robot has {robot.links}")
     return state

@@ -17,12 +17,6 @@ from ..base.errors import BadInput
 if TYPE_CHECKING:
     from ..base.vectors import Array
 
-_NUMBERS = {
-    "alpha_rad": Limits(0.0, math.pi),
-    "beta_rad": Limits(-math.tau, math.tau),
-    "omega_rad_s": POSITIVE,
-    "offset_rad": Limits(-math.pi, math.pi),
-}
 _BY_JOINT = {"joint_gain": Limits(0.0, 2.0), "joint_shift_rad": Limits(-math.pi, math.pi)}
 
 
@@ -121,7 +115,13 @@ class Gait:
         return cls(alpha_rad, beta_rad, omega_rad_s, offset_rad)
 
     def __post_init__(self) -> None:
-        check_fields(self, _NUMBERS)
+        limits = {
+            "alpha_rad": Limits(0.0, math.pi),
+            "beta_rad": Limits(-math.tau, math.tau),
+            "omega_rad_s": POSITIVE,
+            "offset_rad": Limits(-math.pi, math.pi),
+        }
+        check_fields(self, limits)
         for name, limits in _BY_JOINT.items():
             values = getattr(self, name)
             if not isinstance(values, Iterable):

@@ -237,7 +237,7 @@ def load_servo(path: str | Path) -> ServoKind:
         "source": top.string,
         "remark": top.string,
         "updates_hz": lambda key: top.numbers(key, 0.0, 1e4),
-        "sigma": lambda key: _numbers(top.table(key), UNCERTAIN, 0.0, 3.0),
+        "sigma": lambda key: _numbers(top.table(key), tuple(UNCERTAIN), 0.0, 3.0),
         "drawn": lambda key: _drawn(top.table(key).without_removed(REMOVED), servo),
     }
     top.only("format", "servo", optional=tuple(readers))

@@ -11,13 +11,8 @@ from numpy.typing import ArrayLike
 
 from .. import _core
 from ..base.checks import (
-    DRIVES,
-    FORMULATIONS,
-    GAPS,
     NOT_NEGATIVE,
     POSITIVE,
-    RECORDS,
-    STARTS,
     Limits,
     check_choice,
     check_fields,
@@ -171,15 +166,14 @@ class Scene:
 
     def __post_init__(self) -> None:
         check_parts(self.robot, self.ground, self.gait)
-        check_choice("formulation", self.formulation, FORMULATIONS)
-        check_choice("drive", self.drive, DRIVES)
+        for name in ("formulation", "drive", "gap"):
+            check_choice(name, getattr(self, name))
         if not isinstance(self.method, OwnChoice):
             check_choice("method", self.method, ("auto", *METHODS))
-        check_choice("gap", self.gap, GAPS)
         if isinstance(self.record, str) or not isinstance(self.record, Collection):
             raise BadInput(f"record is {self.record!r}; it must be a list of names")
         for name in self.record:
-            check_choice("record", name, RECORDS)
+            check_choice("record", name)
         object.__setattr__(self, "record", tuple(self.record))
         check_fields(self, _LIMITS)
         self._check_counts()
@@ -255,7 +249,7 @@ class Scene:
 
     def _check_start(self) -> None:
         if not isinstance(self.start, LinkState):
-            check_choice("start", self.start, STARTS)
+            check_choice("start", self.start)
         elif self.start.links != self.robot.links:
             raise BadInput(f"start has {self.start.links} links, the robot has {self.robot.links}")
         if self.start == "steady" and (self.drive != "angle" or self.limp or self.locked):

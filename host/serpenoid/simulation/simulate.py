@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from ..base.checks import RECORDS, check_kind, check_number
+from ..base.checks import CHOICES, check_kind, check_number
 from ..base.errors import BadInput, Diverged
 from ..base.vectors import Array, finite_vector
 from ..model.core_model import core_model
@@ -211,7 +211,7 @@ def core_request(scene: Scene) -> Any:
         q.locked_rad = [scene.locked.get(joint, 0.0) for joint in joints]
     q.method = scene.method
     q.most_steps = MAX_LINK_STEPS // scene.robot.links
-    for name in RECORDS:
+    for name in CHOICES["record"]:
         setattr(q, f"record_{name}", name in scene.record)
     return q
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..base.checks import check_choice, count_text
 from ..base.errors import BadInput
-from ..base.tables import EMPTY_CELLS, TextTable, read_table
+from ..base.tables import TextTable, read_table
 from ..base.toml_table import located
 from ..session.declaration import LENGTH_UNITS, Units
 from ..session.track import Floats
@@ -131,7 +131,7 @@ def read_track_file(path: Path, unit: str | None = None) -> tuple[Floats, list[s
     rows = []
     for line, cells in table.rows:
         texts = [cells[column.place] for column in columns if column.place < len(cells)]
-        if len(texts) == len(columns) and EMPTY_CELLS.isdisjoint(texts):
+        if len(texts) == len(columns) and {"", "-", "--", "–", "?"}.isdisjoint(texts):
             numbers = [_number(table, line, *cell) for cell in zip(texts, columns, strict=True)]
             rows.append(numbers)
     track = np.zeros((len(rows), 3))

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 import serpenoid as sn
-from serpenoid.base.checks import FORMULATIONS
+from serpenoid.base.checks import CHOICES
 from serpenoid.bench import extremes, scenes
 from serpenoid.bench.child_process import Limited
 from serpenoid.bench.problems import problems, reference
@@ -70,7 +70,7 @@ def test_extreme_scenes_meet_their_error_or_say_no() -> None:
     assert words["cn/ct = 1e6", "rk4"] == "no reference"
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("formulation", CHOICES["formulation"])
 def test_each_term_of_a_scene_runs(formulation: str) -> None:
     for scene in scenes.variants(formulation, 10).values():
         assert sn.simulate(scene).steps == 10
