@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import _core
-from ..base.checks import check_number
+from ..base.checks import check_number, check_whole
 from ..base.errors import BadInput
 from ..base.vectors import Array
 from ..model.drives import Servo, ServoKind
@@ -59,21 +59,13 @@ class BenchTest:
     sent_s: Array | None = None
 
     def __post_init__(self) -> None:
-        self._check()
-
-    def _check(self, min_rows: int = 10, max_s: float = 20.0, min_deg: float = 4.0) -> None:
-        rows = self.t_s.size
-        if rows < min_rows or not (np.diff(self.t_s) > 0).all():
-            raise BadInput(
-                f"a bench test needs {min_rows} rows or more at rising times; it has {rows}"
-            )
-        if (duration_s := np.ptp(self.t_s)) > max_s:
-            raise BadInput(f"the test lasts {duration_s:.3g} s; give {max_s:.0f} s at most")
-        if (span_deg := math.degrees(np.ptp(self.setpoint_rad))) < min_deg:
-            raise BadInput(
-                f"the setpoints span {span_deg:.2g} degrees, which shows nothing; send steps of "
-                f"{min_deg:.0f} or more, or a gait. If these are radians, write degrees"
-            )
+        check_whole("number of rows", self.t_s.size, 10)
+        if not (np.diff(self.t_s) > 0).all():
+            raise BadInput("t_s must rise from row to row")
+        check_number("duration of the test in s", float(np.ptp(self.t_s)), 0.0, 20.0)
+        # Dead band and play of gears take about as much.
+        span_deg = math.degrees(np.ptp(self.setpoint_rad))
+        check_number("span of the setpoints in degrees, not radians,", span_deg, 4.0)
 
     @property
     def resolution_rad(self) -> float:

@@ -162,13 +162,19 @@ def test_a_remark_goes_with_every_band(tmp_path: Path) -> None:
     ("text", "says"),
     [
         ("t_s,angle_deg\n0,1\n", "t_s,setpoint_deg,angle_deg"),
-        ("t_s,setpoint_deg,angle_deg\n" + "0,1,0\n" * 12, "rising times"),
-        ("t_s,setpoint_deg,angle_deg\n", "needs 10 rows"),
+        ("t_s,setpoint_deg,angle_deg\n" + "0,1,0\n" * 12, "t_s must rise"),
+        (
+            "t_s,setpoint_deg,angle_deg\n",
+            "number of rows is 0; it must be a whole number, 10 or more",
+        ),
         (
             "t_s,setpoint_deg,angle_deg\n" + "".join(f"{k},1,0\n" for k in range(12)),
-            "span 0 deg",
+            "span of the setpoints in degrees, not radians, is 0.0",
         ),
-        ("t_s,setpoint_deg,angle_deg\n" + "".join(f"{9 * k},{k},0\n" for k in range(12)), "20 s"),
+        (
+            "t_s,setpoint_deg,angle_deg\n" + "".join(f"{9 * k},{k},0\n" for k in range(12)),
+            "duration of the test in s is 99.0",
+        ),
         (
             "t_s;setpoint_deg;angle_deg\n" + "".join(f"{k};{k};nan\n" for k in range(12)),
             ":2: angle_deg is no finite number",
