@@ -17,8 +17,9 @@ import numpy as np
 from ..base.errors import BadInput
 from ..base.maxima import Maximum, log_density, maxima
 from ..base.particles import explored
+from ..base.vectors import Array
 from ..model.drives import ServoKind
-from .bench_test import Array, BenchModel, BenchTest, Prior, Values
+from .bench_test import BenchModel, BenchTest, Prior, Values
 
 MIN_P_VALUE = 0.01  # p-value below which the model does not describe the table.
 FAR_SIGMAS = 3.0  # Distance from the prior, in its sigmas, beyond which a value is unusual.
