@@ -48,12 +48,11 @@ def crawls_by_command(session: Session) -> list[Crawls]:
     """Return the crawls of every command, the slowest first; films there and back are of one."""
     groups: list[list[Crawl]] = []
     for crawl in session.kept_crawls:
-        for group in groups:
-            if same_command(group[0].commanded, crawl.commanded):
-                group.append(crawl)
-                break
-        else:
-            groups.append([crawl])
+        same = (g for g in groups if same_command(g[0].commanded, crawl.commanded))
+        group = next(same, None)
+        if group is None:
+            groups.append(group := [])
+        group.append(crawl)
     groups.sort(key=lambda group: group[0].omega_rad_s)
     return [Crawls(tuple(group)) for group in groups]
 

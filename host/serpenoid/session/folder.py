@@ -221,7 +221,7 @@ def check_session(folder: Path) -> Path:
 
 def read_events(folder: Path, notes: list[str]) -> list[Event]:
     """Return a session's events in the order they were written; raises BadInput."""
-    kinds = [
+    kinds = (
         "start",
         "end",
         "pause",
@@ -234,7 +234,7 @@ def read_events(folder: Path, notes: list[str]) -> list[Event]:
         "unskip",
         "note",
         "connect",
-    ]
+    )
     events = []
     for row in rows_in(folder / "events.csv", EVENT_COLUMNS, notes):
         with located(row["where"]):

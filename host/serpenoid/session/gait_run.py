@@ -103,29 +103,21 @@ class FilmReading(Crawl):
     @property
     def gait(self) -> Gait:
         """Return the gait of the joints as filmed."""
-        gains, shifts = self._joints
-        return replace(
-            self.commanded,
-            offset_rad=self.offset_rad,
-            joint_gain=tuple(gains),
-            joint_shift_rad=tuple(map(math.radians, shifts)),
-        )
+        gains, shifts_rad = zip(*self._joints, strict=True)
+        joints: dict[str, Any] = {"joint_gain": gains, "joint_shift_rad": shifts_rad}
+        return replace(self.commanded, offset_rad=self.offset_rad, **joints)
 
     @property
-    def _joints(self) -> tuple[list[float], list[float]]:
-        """Return the gain and the phase shift, deg, of each joint; raises BadInput."""
+    def _joints(self) -> list[tuple[float, float]]:
+        """Return the gain and the phase shift, rad, of each joint; raises BadInput."""
+        joints = zip(self.gains.split(","), self.shifts_deg.split(","), strict=True)
         try:
-            gains, shifts = (
-                [float(part) for part in text.split(",")] for text in (self.gains, self.shifts_deg)
-            )
-        except ValueError:
-            gains, shifts = [], [0.0]
-        if len(gains) != len(shifts):
+            return [(float(gain), math.radians(float(shift))) for gain, shift in joints]
+        except ValueError as error:
             raise BadInput(
                 f"gains is {self.gains!r} and shifts_deg {self.shifts_deg!r}; they must be one "
                 "number a joint each, between commas"
-            )
-        return gains, shifts
+            ) from error
 
     def in_words(self) -> tuple[str, str]:
         """Return (title, values) for tables."""

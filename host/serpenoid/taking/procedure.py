@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..base.checks import count_text
+from ..model.bends import bend_signs, joint_multiples
 from ..model.gait import gait_name
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import too_fast_text
@@ -25,11 +26,10 @@ from ..session.gait_run import GaitRun
 from ..session.push import WAYS, Push
 from ..session.session import Session, belt_checks
 from ..session.settings import Setup
-from ..session.station import MIN_SLIP_M_S, BeltCheck, Reading, ZeroReading
+from ..session.station import MIN_SLIP_M_S, BeltCheck, BendCheck, Reading, ZeroReading
 from ..session.track import EXAMPLE
 from .steps import (
     Step,
-    bend_step,
     friction_factor,
     line_of,
     planned_bends,
@@ -81,9 +81,9 @@ def _parts(session: Session) -> Iterator[tuple[str, str, Step | None]]:
     def check(
         key: str, kind: type[Observation], say: str, due: bool, done: bool
     ) -> tuple[str, str, Step | None]:
-        step = Step(key, kind.kind, say, kind.questions())
-        due = due and not done and key not in skipped
-        return key, "done" if done else "open", step if due else None
+        is_next = due and not done and key not in skipped
+        step = Step(key, kind.kind, say, kind.questions()) if is_next else None
+        return key, "done" if done else "open", step
 
     if not floor:
         yield check("zero before", ZeroReading, zero_words, not begun, True in zeros)
@@ -104,16 +104,26 @@ def _parts(session: Session) -> Iterator[tuple[str, str, Step | None]]:
 
 def _pose(setup: Setup, bend_deg: float) -> Step:
     """Return the step to a pose of the plan."""
-    key = pose_key(setup.plan, bend_deg)
+    key, plan = pose_key(setup.plan, bend_deg), setup.plan
     if bend_deg:
-        return bend_step(key, setup, bend_deg)
+        between_deg = 180.0 - 2 * bend_deg
+        multiples = joint_multiples(bend_signs(plan.bend, setup.robot.links))
+        joints = ", ".join(f"{m * bend_deg:+g}" if m else "0" for m in multiples)
+        guide = " Guide the robot: left alone it turns." * (plan.bend == "zigzag")
+        say = (
+            f"Bend {bend_deg:g} deg, {plan.bend}: joints from the tail at {joints} deg.{guide} A "
+            f"protractor between the last two links at either end shows {between_deg:g} deg."
+        )
+        (shown,) = BendCheck.questions("between_links_deg")
+        fields = (replace(shown, likely=(between_deg - 5.0, between_deg + 5.0)),)
+        return Step(key, "bend", say, fields, bend_deg, cells={"lambda_deg": bend_deg})
     belt_words = "Robot straight, on the belt, head downhill, the belt running uphill."
     floor_words = (
         "On the floor, robot straight: align its links along a straightedge. Room: 2 m of level, "
         "even floor. Film from a tripod, square to the way or from above, all of the way in the "
         "picture. Pushes by tape and watch only add to films: alone they leave frictions open."
     )
-    return Step(key, "straight", floor_words if setup.plan.on == "floor" else belt_words)
+    return Step(key, "straight", floor_words if plan.on == "floor" else belt_words)
 
 
 def _push(session: Session, bend_deg: float) -> Step | None:

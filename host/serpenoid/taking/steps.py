@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from ..model.bends import balanced_signs, joint_multiples
 from ..model.gait import Gait
 from ..session.declaration import Cells, Field, Values
 from ..session.folder import KINDS
 from ..session.journal import Journal
 from ..session.session import Session
-from ..session.settings import Plan, Setup
-from ..session.station import BendCheck
+from ..session.settings import Plan
 from ..session.track import Samples
 
 
@@ -123,28 +121,3 @@ def line_of(session: Session, bend_deg: float) -> tuple[float, float] | None:
         return None
     slope, offset_m_s = np.polyfit(sines, [station.slip_speed_m_s for station in stations], 1)
     return (float(slope), float(offset_m_s)) if slope > 0.0 else None
-
-
-def bend_step(key: str, setup: Setup, bend_deg: float) -> Step:
-    """Return the step in which the robot is bent and its bend is read from the protractor."""
-    between_deg = 180.0 - 2 * bend_deg
-    if setup.plan.bend == "zigzag":
-        how = (
-            f"zigzag: every joint at {2 * bend_deg:g} deg, left and right in turn. Guide the "
-            "robot: left alone it turns."
-        )
-    else:
-        multiples = joint_multiples(balanced_signs(setup.robot.links))
-        joints = ", ".join(f"{m * bend_deg:+g}" if m else "0" for m in multiples)
-        how = f"balanced: joints from the tail at {joints} deg."
-    (shown,) = BendCheck.questions("between_links_deg")
-    likely = between_deg - 5.0, between_deg + 5.0
-    return Step(
-        key,
-        "bend",
-        f"Bend {bend_deg:g} deg, {how} A protractor between the last two links at either end shows "
-        f"{between_deg:g} deg.",
-        (replace(shown, likely=likely),),
-        bend_deg,
-        cells={"lambda_deg": bend_deg},
-    )

@@ -129,6 +129,13 @@ def test_a_full_disk_keeps_what_was_typed_and_tries_again(folder, monkeypatch):
     assert len(session.readings_of("zero")) == 1
 
 
+def test_no_station_is_planned_at_which_the_belt_would_carry_the_robot_off(folder):
+    """The line through both stations is below 0.12 m/s at a third, less steep one."""
+    heard, _ = talk(folder, ZERO, "", "2.39 0.556", "", "2.18 0.306", "", "quit")
+    assert "Incline to about 2.1 deg" in heard
+    assert "Incline to about 2.7 deg" in heard.partition("kept as reading 3")[2]
+
+
 def test_the_offset_that_runs_straight_is_found_and_kept(folder):
     with SessionRobot("virtual:fast") as robot:
         lies = []

@@ -66,9 +66,10 @@ def test_a_treadmill_session_continues_on_the_floor(tmp_path):
     folder = tmp_path / "s"
     run(f"calibrate new {folder} --defaults --surface belt --mass-kg 0.454")
     replan(folder, on="floor")
-    output = run(f"calibrate {folder}", typed="\n1.0\n2.4\n\nquit\n")
+    output = run(f"calibrate {folder}", typed="\n1.0\n2.4\n1.1 2.5\nundo\nquit\n")
     assert "kept as reading 1" in output
     assert "no fit yet: it needs readings of the straight and of the bent robot" in output
+    assert output.count("no fit yet") == 1
     assert "pushes, straight 1 of 8, more to come" in run(f"calibrate status {folder}")
     output = run(f"calibrate {folder}", typed="\n\nskip\n1.0 2.4\nquit\n")
     assert "left out: push 2 of 8, straight" in output
