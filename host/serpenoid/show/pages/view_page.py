@@ -121,6 +121,8 @@ def _shown(
         "most_slip_m_s": float(np.abs(slip_m_s).max()),
         "link_length_m": robot.link_length_m,
         "period_s": gait.period_s,
+        # Sides of the box about the largest posture.
+        "extent_m": [1.6 * robot.link_length_m + np.ptp(p, axis=1).max() for p in (x_m, y_m)],
         "dry": bool(ground.fn0 > 0),
         # To 10 µm and 10 µrad.
         **{name: np.round(values, 5).tolist() for name, values in tables.items()},

@@ -48,14 +48,16 @@ def fit_states(
     # 400 frames are fitted at once: memory stays small for long films.
     for first in range(0, len(expected), 400):
         cut = slice(first, first + 400)
-        s, states, step = sightings.picked(cut), expected[cut], 0.0
-        for _ in range(7):  # six steps, and the equations at their end
-            states = states + step
+        s, states, steps = sightings.picked(cut), expected[cut], 6
+        while True:
             a, residual = equations(camera, states, s, fit.noise_px)
             matrix = a.transpose(0, 2, 1) @ a + np.diag(prior_weight)
+            if not steps:
+                break
             pull = a.transpose(0, 2, 1) @ residual
             pull[..., 0] += prior_weight * (expected[cut] - states)
-            step = np.linalg.solve(matrix, pull)[..., 0]
+            states = states + np.linalg.solve(matrix, pull)[..., 0]
+            steps -= 1
         covariance = np.linalg.inv(matrix)
         variance = np.diagonal(covariance, axis1=1, axis2=2)
         neighbours = np.diagonal(covariance[:, 2:, 2:], offset=1, axis1=1, axis2=2)

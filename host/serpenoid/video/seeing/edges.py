@@ -8,6 +8,8 @@ profiles end before the grey does, and the tag comes out too small across its mo
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..arrays import Array, Complex, Grey
@@ -33,7 +35,7 @@ def _refined(picture: Grey, quads: Array) -> tuple[Array, Array]:
     """Return corners and widths as `refine` does, from one look; points are complex, x + i y."""
     import cv2
 
-    start = quads @ [1, 1j]
+    start: Any = quads @ [1, 1j]
     end = np.roll(start, -1, axis=1)
     edge = end - start
     # Clockwise on a picture whose y points down: outside is to the left of the way along.
