@@ -14,9 +14,8 @@ from ..session.journal import Journal
 from ..session.session import Session
 from .asking import WORDS, Asker, Quit, Restart, Skip, Undo
 from .films import FilmReader, named_file, no_films, push_in_words, take_track
-from .procedure import expected_ranges, next_step
+from .procedure import Step, Tracked, expected_ranges, next_step, record_step
 from .session_robot import SessionRobot
-from .steps import Step, Tracked, record_step
 from .terminal import Console
 from .track_files import read_track_file
 

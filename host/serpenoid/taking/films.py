@@ -22,7 +22,7 @@ from ..session.journal import Journal
 from ..session.push import WAYS, Push
 from ..session.station import slips
 from ..session.track import TRACK, Floats, Track
-from .steps import Tracked
+from .procedure import Tracked
 from .track_files import read_track_file
 from .track_look import Look, look_at, pushes_in
 

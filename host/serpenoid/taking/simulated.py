@@ -35,8 +35,7 @@ from ..session.journal import Journal
 from ..session.session import Session
 from ..session.settings import Setup
 from ..session.station import slips
-from .procedure import next_step
-from .steps import Step, Tracked, record_step
+from .procedure import Step, Tracked, next_step, record_step
 from .track_look import look_at
 
 FILM_ERROR = 0.002  # relative error of a crawl's scale and of each joint's amplitude

@@ -24,9 +24,8 @@ from serpenoid.prediction.level import level_run
 from serpenoid.session.crawls import Crawls
 from serpenoid.session.gait_run import GaitRun
 from serpenoid.taking.new_session import create_session, default_setup, on_place
-from serpenoid.taking.procedure import next_step, progress
+from serpenoid.taking.procedure import Tracked, next_step, progress
 from serpenoid.taking.simulated import crawl_cells
-from serpenoid.taking.steps import Tracked
 
 GAIT = gait_in_deg(70, 60, 2 * math.pi * 0.8)
 GAINS, CENTRES_RAD, LAG_RAD = (0.95, 0.93, 0.97, 0.94, 0.96), (0.01, -0.02, 0.0, 0.03, 0.01), 0.4

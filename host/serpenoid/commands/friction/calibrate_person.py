@@ -16,8 +16,8 @@ from ...show.screen import say
 from ...taking.asking import Quit, Skip, Undo
 from ...taking.dialogue import Dialogue, ask_identity
 from ...taking.films import FilmReader
+from ...taking.procedure import Tracked
 from ...taking.session_robot import SessionRobot
-from ...taking.steps import Tracked
 from ...taking.terminal import Console
 from ...video.made_gait import film_cells
 from ...video.measure_film import measure_film
