@@ -13,7 +13,7 @@ GREY, BLUE, DARK = "#eef2f7", "#26a", "#222"
 
 
 def rectangle(x: float, y: float, width: float, height: float, fill: str, corner: float) -> str:
-    """Return a rectangle about its middle, px."""
+    """Return an SVG rectangle around its middle; sizes in px."""
     return (
         f'<rect x="{x - width / 2:.1f}" y="{y - height / 2:.1f}" width="{width:.1f}" '
         f'height="{height:.1f}" rx="{corner:.1f}" fill="{fill}" stroke="{DARK}"/>'
@@ -21,7 +21,7 @@ def rectangle(x: float, y: float, width: float, height: float, fill: str, corner
 
 
 def link(x: float, y: float, scale: float, has_servo: bool) -> str:
-    """Return a link from above about its middle: body, wheels on their axle, servo, joints."""
+    """Return the SVG of a link from above: body, wheels on their axle, servo, joints."""
     half = LINK_MM / 2 * scale
     parts = [
         rectangle(x, y, (LINK_MM + BODY_MM) * scale, BODY_MM * scale, GREY, BODY_MM / 2 * scale),
@@ -37,15 +37,15 @@ def link(x: float, y: float, scale: float, has_servo: bool) -> str:
     return "".join(parts)
 
 
-def size(x: float, y: float, length: float, words: str) -> str:
-    """Return a length along x with its two ends and its words above."""
+def size(x: float, y: float, length: float, label: str) -> str:
+    """Return the SVG of a length along x, with marks at its ends and a label above."""
     ends = [wire(DARK, (x + k * length, y - 6), (x + k * length, y + 6), width=1) for k in (0, 1)]
     line = wire(DARK, (x, y), (x + length, y), width=1)
-    return "".join([*ends, line, text(x + length / 2, y - 8, words)])
+    return "".join([*ends, line, text(x + length / 2, y - 8, label)])
 
 
 def draw(path: Path) -> None:
-    """Write the drawing."""
+    """Write the drawing to an SVG file."""
     scale, x, y = ONE_LINK_PX_MM, 260.0, 160.0
     half, outer = LINK_MM / 2 * scale, (TRACK_MM + TYRE_MM) / 2 * scale
     parts = [

@@ -1,8 +1,8 @@
-"""How often 95 % intervals hold the truth, over sessions on a floor by the whole chain in the lab.
+"""How often 95 % intervals hold the true values, in sessions on the floor of the simulated lab.
 
-Every session draws its own truth: the floor's slope, the film's scale, the mass, the wheels'
-inertia, joint errors, and how crooked each push is. A person follows the procedure; films give
-places, and the fit knows those and what the set-up states.
+The true values are random in each session: slope of the floor, scale of the film, mass, inertia of
+the wheels, joint errors, direction and rotation of each push. A simulated person follows the
+procedure. The fit uses the positions from the films and the set-up of the session.
 """
 
 from __future__ import annotations
@@ -45,9 +45,9 @@ _SPEED_SAMPLES = 256
 
 @dataclass(frozen=True)
 class FloorCase:
-    """Sessions of one kind: what films, what the set-up is told of the wheels, and the plan.
+    """One kind of session: its camera, the wheels' inertia in its set-up, and its plan.
 
-    pushes: in each bend. driven: the robot has a hobby servo, else quick ones.
+    pushes: number in each bend. driven: the robot has hobby servos instead of very fast ones.
     """
 
     name: str
@@ -58,7 +58,7 @@ class FloorCase:
 
     @property
     def kind(self) -> ServoKind | None:
-        """Return the kind of servo; a case alone goes to another process."""
+        """Return the kind of servo; a property, because cases are sent to other processes."""
         return SERVOS if self.driven else None
 
 
@@ -72,14 +72,14 @@ CASES = (
 
 @dataclass(frozen=True)
 class FloorCoverage:
-    """Shares of sessions whose interval holds the truth; sigma: how far a share of 95 % scatters.
+    """Shares of sessions whose interval holds the true value.
 
-    ct, cn, ft0, fn0, speed, driven: as of `Coverage`. errors: medians of the four frictions'
-    relative errors. half_widths: of the intervals, relative, the median, those of the two speeds
-    last. unseen, unseen_90: median and 90th percentile of the relative error of six gaits' speeds,
-    by quick servos, the joints' amplitude known. unseen_commanded: the median with the amplitude as
-    commanded. kolmogorov: of the p-values of fits, and of `compare` with two filmed gaits, as
-    `kolmogorov` has it.
+    ct, cn, ft0, fn0, speed, driven: see `Coverage`. sigma: standard deviation of a share of 95 %.
+    errors: median relative errors of the four frictions. half_widths: median relative half-widths
+    of the intervals; those of the two speeds are the last. unseen, unseen_90: median and 90th
+    percentile of the relative error of the speeds of six other gaits, with fast servos and known
+    amplitude. unseen_commanded: the median with the commanded amplitude. kolmogorov: result of
+    `kolmogorov` for the p-values of fits, and of `compare` with two filmed gaits.
     """
 
     case: str
@@ -119,9 +119,9 @@ def floor_setup(case: FloorCase) -> Setup:
 def drawn_person(
     case: FloorCase, rng: np.random.Generator, amplitude: float = 1.0
 ) -> SimulatedPerson:
-    """Return a person on a floor, the truth of both drawn, the robot's servos with it.
+    """Return a simulated person with random true values of robot, servos and floor.
 
-    amplitude: of its joints in a gait.
+    amplitude: of the joints in a gait, over the commanded one.
     """
     setup = floor_setup(case)
     truth = drawn_truth(setup, WHOLE_2005, rng, case.kind)
@@ -131,7 +131,7 @@ def drawn_person(
 
 @dataclass(frozen=True)
 class FloorTables:
-    """What all sessions are judged by: tables of GAIT's speed."""
+    """Tables of the speed of GAIT, shared by all sessions."""
 
     speed: SpeedTable
     driven: DrivenTable
@@ -140,7 +140,7 @@ class FloorTables:
 def run_floor_session(
     case: FloorCase, seed: int, number: int, tables: FloorTables
 ) -> list[float] | None:
-    """Take and fit a session; return what held, widths, errors; None where refused."""
+    """Simulate and fit a session; return flags, widths and errors, or None if it is refused."""
     grain = round(1e4 * case.camera.sigma_m)
     rng = np.random.default_rng([seed, grain, case.pushes, number])
     amplitude = 1.0 + AMPLITUDE_SIGMA * float(rng.normal())
@@ -172,7 +172,7 @@ def run_floor_session(
 def _unseen(
     fit: FrictionFit, case: FloorCase, person: SimulatedPerson, amplitude: float, gait: Gait
 ) -> list[float]:
-    """Return what an unseen gait's speed is off by, the amplitude known and as commanded."""
+    """Return relative errors of another gait's speed, with known and with commanded amplitude."""
     ideal = crawl_speed(replace(person.robot, servo=None), scaled(gait, amplitude))
     commanded_error = abs(speed(fit.robot, fit.ground, gait) / ideal - 1.0)
     return [
@@ -184,7 +184,7 @@ def _unseen(
 def _bands(
     fit: FrictionFit, rng: np.random.Generator, tables: FloorTables
 ) -> list[tuple[float, float]]:
-    """Return the bands of GAIT's speed, of frictions alone and of a driven robot."""
+    """Return the bands of GAIT's speed, by friction alone, and with servos."""
     frictions = fit.sample_whole(_SPEED_SAMPLES)
     amplitudes = 1.0 + AMPLITUDE_SIGMA * rng.normal(size=_SPEED_SAMPLES)
     servos = tables.driven.some(_SPEED_SAMPLES, rng)
@@ -192,7 +192,7 @@ def _bands(
 
 
 def judged_floor(case: FloorCase, rows: list[list[float] | None]) -> FloorCoverage:
-    """Return the shares of a case's sessions."""
+    """Return the coverage of the sessions of a case."""
     fitted: NDArray[np.float64] = np.array([row for row in rows if row is not None], dtype=float)
     middle = np.median(fitted, axis=0)
     return FloorCoverage(
@@ -211,7 +211,7 @@ def judged_floor(case: FloorCase, rows: list[list[float] | None]) -> FloorCovera
 
 
 def floor_tables(_cases: Sequence[FloorCase] = ()) -> FloorTables:
-    """Return GAIT's speeds, over frictions some per cent about the truth, and servos."""
+    """Return tables of GAIT's speed, for frictions within 20 % of the true ones, and servos."""
     robot = default_setup("floor coverage").robot
     limits: dict[str, Any] = {"box": (0.8 * WHOLE_SNAKE, 1.2 * WHOLE_SNAKE), "kernel": "cubic"}
     table = SpeedTable(robot, GAIT, **limits)

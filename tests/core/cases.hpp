@@ -47,7 +47,7 @@ inline RunRequest request_of(const Robot& robot, const Ground& ground, const Gai
     request.duration = duration;
     request.dt = duration;
     request.steps = 1;
-    request.most_steps = 10'000'000;
+    request.max_steps = 10'000'000;
     request.start = packed(first_pose(robot, gait));
     return request;
 }

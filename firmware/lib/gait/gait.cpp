@@ -1,4 +1,4 @@
-// Conversions are products with a scaled constant and a shift: the AVR has no divider.
+// Conversions of angles, and the gait's angle. They multiply and shift, as the AVR cannot divide.
 #include "gait.h"
 
 #include "sine.h"
@@ -6,7 +6,7 @@
 namespace firmware {
 namespace {
 
-// Product with a fixed-point constant, rounded to nearest.
+// value * factor / 2^shift, rounded to nearest.
 int32_t scaled(int32_t value, int32_t factor, uint8_t shift) {
     const int64_t product = static_cast<int64_t>(value) * factor;
     return static_cast<int32_t>((product + (static_cast<int64_t>(1) << (shift - 1))) >> shift);
@@ -31,7 +31,7 @@ uint32_t mdeg_from_phase(uint32_t phase) {
     return static_cast<uint32_t>((static_cast<uint64_t>(phase) * 360000UL) >> 32);
 }
 
-// 2⁶⁴ · 1e-12 / 2π is 2935890.50328: what a frame of 1 µs is worth at 1e-6 rad/s.
+// The phase in a frame of 1 µs at 1e-6 rad/s is 2⁶⁴ · 1e-12 / 2π = 2935890.50328.
 uint64_t phase_step(int32_t omega_urad_s, uint16_t frame_us) {
     const uint16_t remainder = static_cast<uint16_t>((32983UL * frame_us + 0x8000UL) >> 16);
     const uint64_t per_urad_s = static_cast<uint64_t>(2935890UL) * frame_us + remainder;

@@ -1,4 +1,4 @@
-// A line of text to a command: envelope (number, CRC) first, then words and numbers.
+// Parse a line into a command: first its envelope (number, CRC), then words and numbers.
 #pragma once
 
 #include <stdint.h>
@@ -8,7 +8,8 @@
 #include "gait.h"
 #include "progmem.h"
 
-// X(identifier, word, fewest fields, most fields, help behind the word): the one table of verbs.
+// The table of verbs: X(identifier, word, minimum and maximum number of fields, help after the
+// word).
 #define FIRMWARE_VERBS(X)                                                  \
     X(Hello, "hello", 0, 0, " - greet; with CRC, open a session")          \
     X(Bye, "bye", 0, 0, " - close it")                                     \
@@ -27,7 +28,7 @@
 
 namespace firmware {
 
-// What check_line finds around the body of a line.
+// The body of a line, and the number and CRC around it.
 struct Envelope {
     const char* body;
     uint8_t length;
@@ -35,10 +36,10 @@ struct Envelope {
     uint16_t number;
 };
 
-// Split `[#NUMBER ]BODY[ *CRC]`. Returns Crc or Sequence if either is there and wrong.
+// Split `[#NUMBER ]BODY[ *CRC]`. Returns Error::Crc or Error::Sequence if one is present but wrong.
 Error check_line(const char* line, uint8_t length, Envelope& envelope);
 
-// Whether a line ends in `stop`, which the receive interrupt has seen already.
+// Whether a line ends in `stop`, which the receive interrupt has already recognised.
 bool ends_in_stop(const char* line, uint8_t length);
 // Whether a whole line is `bye` and nothing else.
 bool is_bare_bye(const char* line, uint8_t length);
@@ -57,17 +58,17 @@ const uint8_t kMaxValues = kMaxJoints > kMaxGaitFields ? kMaxJoints : kMaxGaitFi
 
 struct Command {
     Verb verb;
-    bool lists;                   // `set` or `trim` without fields
-    bool unattended;              // of `save`
-    uint8_t joint;                // of `trim`, from 0
+    bool lists;                   // `set` or `trim` without fields: list all values
+    bool unattended;              // `save unattended`
+    uint8_t joint;                // joint of `trim`, from 0
     uint8_t field;                // Setting or TrimField
-    int32_t value_u[kMaxValues];  // gait fields, joint angles, or the value of set and trim
+    int32_t value_u[kMaxValues];  // gait fields, joint angles, or the value of `set` or `trim`
 };
 
-// Why a command is refused; with Range and Speed, which field and what its limits are.
+// The reason why a command is refused; for Error::Range and Error::Speed also field and limits.
 struct Refusal {
     Error error;
-    char field[12];  // empty if there is no more to say
+    char field[12];  // empty for other errors
     int32_t value_u, low_u, high_u;
 
     explicit Refusal(Error e = Error::None) : error(e), field(), value_u(0), low_u(0), high_u(0) {}
@@ -75,8 +76,8 @@ struct Refusal {
     bool none() const { return error == Error::None; }
 };
 
-// Understand a body. The limits of fields.h are enforced here; those that depend on the state of
-// the robot are the controller's.
+// Parse the body of a line and check the limits of fields.h. The controller checks those that
+// depend on the state of the robot.
 OWN_FRAME Refusal parse_command(const char* body, uint8_t length, Command& command);
 
 // `help:` text of a verb, in flash.

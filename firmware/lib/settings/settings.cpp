@@ -1,4 +1,5 @@
-// From the wire's units to those of the per-frame code, done when a setting changes.
+// Conversion from the units of the protocol to those of the frames, once for each change of a
+// setting.
 #include "settings.h"
 
 namespace firmware {
@@ -21,7 +22,7 @@ void set_defaults(Settings& settings) {
 Trim trim_of(const int32_t (&u)[kTrimFieldCount]) {
     Trim trim;
     trim.centre_us = static_cast<int16_t>(u[kCentre] / 1000000);
-    // 1/32 µs/rad is 31250 millionths.
+    // One Q5 unit, 1/32 µs/rad, is 31250 millionths.
     trim.scale_q5_us_per_rad = static_cast<uint16_t>((u[kScale] + 15625) / 31250);
     trim.direction = u[kDir] < 0 ? -1 : 1;
     trim.low_q14 = q14_from_q30(q30_from_udeg(u[kLow]));

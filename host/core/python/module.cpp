@@ -197,7 +197,7 @@ void bind_run(nb::module_& m) {
         .def_rw("locked_rad", &RunRequest::locked_rad)
         .def_prop_rw(
             "method", [](const RunRequest& request) { return request.method.name; }, &set_method)
-        .def_rw("most_steps", &RunRequest::most_steps)
+        .def_rw("max_steps", &RunRequest::max_steps)
         .def_rw("record_joints", &RunRequest::record_joints)
         .def_rw("record_friction", &RunRequest::record_friction)
         .def_rw("record_energy", &RunRequest::record_energy)

@@ -108,7 +108,7 @@ class Run {
             return false;
         }
         if (!ask(t)) return give_up(t, "it was interrupted"), false;
-        if (result_.steps > request_.most_steps) return give_up(t, "it took too many steps"), false;
+        if (result_.steps > request_.max_steps) return give_up(t, "it took too many steps"), false;
         return true;
     }
     // Ask whether to go on, 50 times a second at most: the answer may be an exception.

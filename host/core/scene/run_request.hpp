@@ -26,24 +26,24 @@ struct RunRequest {
     Formulation formulation = Formulation::explicit_;
     JointSpring spring{1e3, 1.0};
     Drive drive = Drive::angle;
-    TorqueFunction torque;  // drive torque has one of these two
+    TorqueFunction torque;  // Drive::torque uses this function, or else the table
     TorqueRows table;
     Servo servo{};
-    std::vector<Fault> faults;       // one a joint; empty: all sound
+    std::vector<Fault> faults;       // one for each joint; empty: no faults
     std::vector<double> locked_rad;  // angles of the locked joints
     MethodKind method = kMethods[0];
-    double dt = 1e-3;            // s; fixed step, and grid of the recorded times
-    double tolerance = 1e-6;     // of adaptive methods
-    double duration = 0;         // s; the last step is shorter where dt does not divide it
-    long long steps = 0;         // of dt in the duration
-    long long most_steps = 0;    // of any length, after which the run gives up
-    long long record_steps = 1;  // record each of so many steps
+    double dt = 1e-3;            // fixed step, and unit of the output times, s
+    double tolerance = 1e-6;     // tolerance of adaptive methods
+    double duration = 0;         // s; the last step may be shorter than dt
+    long long steps = 0;         // number of steps dt in the duration
+    long long max_steps = 0;     // number of steps of any length after which the run fails
+    long long record_steps = 1;  // number of steps dt between two output times
     bool record_joints = false, record_friction = false, record_energy = false;
     std::vector<double> start;                   // x, y, theta, vx, vy, omega: n values each
-    std::function<bool(double t)> keep_running;  // asked now and then; false stops the run
+    std::function<bool(double t)> keep_running;  // called often; false stops the run
 };
 
-// The rotors of its servos, kg m^2; 0 for other drives.
+// Armature of the servos, kg m^2, and friction of their gears, N m; 0 for other drives.
 inline double armature(const RunRequest& request) {
     return request.drive == Drive::servo ? request.servo.armature : 0;
 }
@@ -51,13 +51,14 @@ inline double gear_friction(const RunRequest& request) {
     return request.drive == Drive::servo ? request.servo.gear_friction : 0;
 }
 
-// Unit of a motion's rates, 1/s: that of the gait; with other drives at least 1.
+// Unit of a motion's rates, 1/s: the gait's omega; with other drives at least 1.
 inline double rate_unit(const RunRequest& request) {
     return request.drive == Drive::angle ? request.gait.omega : std::max(request.gait.omega, 1.0);
 }
 
-// The tolerance inside a mode: its end magnifies the errors before it. Rounding grows with the
-// links. Joints that are driven by torques give way, and it need not be so tight.
+// The tolerance within a mode. It is tighter than that of the run, because the end of a mode
+// amplifies earlier errors, but not below rounding, which grows with the number of links. With
+// joints driven by torques there is no such amplification.
 inline double mode_tolerance(const RunRequest& request) {
     if (request.drive != Drive::angle) return request.tolerance;
     const double n = request.robot.n;
@@ -66,7 +67,7 @@ inline double mode_tolerance(const RunRequest& request) {
                     std::min(request.tolerance, std::sqrt(request.tolerance * rounding)));
 }
 
-// The fields that a Scene of Python has as plain numbers, under its names: handed over as they are.
+// The plain numbers of a Scene in Python, by their names there; they are passed on unchanged.
 template <class Visit>
 void each_scene_field(const Visit& field) {
     using Q = RunRequest&;
@@ -79,7 +80,7 @@ void each_scene_field(const Visit& field) {
     field("record_steps", [](Q request) -> long long& { return request.record_steps; });
 }
 
-// The chain at the start of a run, with its directions.
+// The chain at the start of a run.
 inline Chain start_chain(const RunRequest& request) {
     const int n = request.robot.n;
     Chain c(n);
@@ -89,15 +90,15 @@ inline Chain start_chain(const RunRequest& request) {
     return c;
 }
 
-// Rows of n (or n-1, or 6) values, one row a recorded time; SI units, ground frame.
+// Arrays of rows, one row for each output time, of n, n-1 or 6 values; SI units, ground frame.
 struct RunResult {
     std::vector<double> t, x, y, theta, vx, vy, omega;
     std::vector<double> joint_fx, joint_fy, joint_torque, friction_x, friction_y;
     std::vector<double> energy;  // rows of energy_ledger.hpp
-    double failed_at = -1;       // time by which the state left the finite numbers, or:
-    std::string why;             // why the method gave up
-    long long steps = 0;         // taken
-    double error = 0;            // sum of the method's local errors, in the scale of its tolerance
+    double failed_at = -1;       // time at which the state is no longer finite, s; -1: never
+    std::string why;             // cause, if the method failed
+    long long steps = 0;         // number of steps taken
+    double error = 0;            // sum of the method's local errors, in the unit of its tolerance
 };
 
 }  // namespace serpenoid

@@ -107,7 +107,7 @@ int serpenoid_motion(const double* scene, const double* servo, int cycles, int f
         request.duration = cycles * 2 * std::numbers::pi / shape.gait.omega;
         request.steps = static_cast<long long>(cycles) * frames;
         request.dt = request.duration / static_cast<double>(request.steps);
-        request.most_steps = 100000;  // more would take minutes
+        request.max_steps = 100000;  // more would take minutes
         request.start = resting_start(shape);
         const RunResult run = simulate(request);
         if (run.failed_at >= 0) return 0;

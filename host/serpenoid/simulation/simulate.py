@@ -210,7 +210,7 @@ def core_request(scene: Scene) -> Any:
         q.faults = [faults.get(joint, _core.Fault.none) for joint in joints]
         q.locked_rad = [scene.locked.get(joint, 0.0) for joint in joints]
     q.method = scene.method
-    q.most_steps = MAX_LINK_STEPS // scene.robot.links
+    q.max_steps = MAX_LINK_STEPS // scene.robot.links
     for name in CHOICES["record"]:
         setattr(q, f"record_{name}", name in scene.record)
     return q

@@ -1,11 +1,11 @@
-// Residuals, matrices and steps of cycle_newton.hpp.
+// Residuals, matrices and steps of Newton's method of cycle_newton.hpp.
 #include "periodic/viscous/cycle_newton.hpp"
 
 namespace serpenoid {
 
 namespace {
 
-// Half a cycle later a matrix is its mirror image: entries between x and the other two change sign.
+// The matrix half a cycle later is its mirror image: entries that couple x with y or w change sign.
 PackMat mirrored(PackMat a) {
     for (const int i : {1, 2, 3, 6}) a[i] = -a[i];
     return a;
@@ -23,12 +23,13 @@ std::vector<CycleNode> cycle_nodes(const Robot& robot, const Ground& ground, con
         const double tau = k * mesh.step;
         node.shape.set(robot, gait, all(std::sin(tau)), all(std::cos(tau)), true);
         node.drag = {node.shape, ground};
-        const Pack im = all(1 / (robot.n * robot.m)), iJ = 1.0 / node.shape.J, *D = node.drag.D;
-        for (int i = 0; i < 5; ++i) node.field[i] = D[i] * im;
-        node.field[5] = D[2] * iJ;
-        node.field[6] = D[4] * iJ;
-        node.field[7] = D[5] * iJ;
-        node.field[8] = node.shape.J1 * iJ;
+        const Pack inverse_mass = all(1 / (robot.n * robot.m)), inverse_J = 1.0 / node.shape.J;
+        const Pack* D = node.drag.D;
+        for (int i = 0; i < 5; ++i) node.field[i] = D[i] * inverse_mass;
+        node.field[5] = D[2] * inverse_J;
+        node.field[6] = D[4] * inverse_J;
+        node.field[7] = D[5] * inverse_J;
+        node.field[8] = node.shape.J1 * inverse_J;
     }
     for (int k = 0; k < mesh.nodes; ++k)
         for (int j = 0; j < mesh.nodes; ++j)
@@ -43,7 +44,7 @@ void CycleNewton::set(const SpectralMesh& mesh, const std::vector<CycleNode>& no
     g_ = inverse;
     f_.resize(mesh.nodes);
     r_.resize(mesh.nodes);
-    miss_.resize(mesh.nodes);
+    cell_residual_.resize(mesh.nodes);
     cell_.resize(mesh.nodes + 1);
 }
 
@@ -59,25 +60,25 @@ Pack CycleNewton::step() {
     for (int k = 0; k < N; ++k) f_[k] = rate(k);
     residuals();
     for (int k = 0; k < N; ++k) linearise(k);
-    cell_[N] = {mirrored(cell_[0].plus), mirrored(cell_[0].inverse), mirrored(cell_[0].part)};
-    PackVec d = chain();
-    Pack change2{}, size2{}, relative{};
+    cell_[N] = {mirrored(cell_[0].plus), mirrored(cell_[0].inverse), mirrored(cell_[0].residual)};
+    PackVec d = solve_cycle();
+    Pack change_squared{}, size_squared{}, relative{};
     for (int k = 0; k < N; ++k) {
         PackVec& u = y[k];
         const CycleNode& node = (*nodes_)[k];
-        const Pack arm2 = node.shape.J / nm_, spin = node.shape.K / node.shape.J;
+        const Pack arm_squared = node.shape.J / nm_, spin = node.shape.K / node.shape.J;
         for (int c = 0; c < 3; ++c) u[c] += d[c];
-        change2 += d[0] * d[0] + d[1] * d[1] + arm2 * d[2] * d[2];
-        size2 += u[0] * u[0] + u[1] * u[1] + arm2 * (u[2] * u[2] + spin * spin);
+        change_squared += d[0] * d[0] + d[1] * d[1] + arm_squared * d[2] * d[2];
+        size_squared += u[0] * u[0] + u[1] * u[1] + arm_squared * (u[2] * u[2] + spin * spin);
         d = multiply(cell_[k].plus, d);
-        for (int c = 0; c < 3; ++c) d[c] += cell_[k].part[c];
+        for (int c = 0; c < 3; ++c) d[c] += cell_[k].residual[c];
     }
     for (int j = 0; j < kPack; ++j)
-        relative[j] = change2[j] == 0 ? 0 : std::sqrt(change2[j] / size2[j]);
+        relative[j] = change_squared[j] == 0 ? 0 : std::sqrt(change_squared[j] / size_squared[j]);
     return relative;
 }
 
-// r = f - y' at the nodes; miss: the integral of f over each cell less the change of y.
+// Set r = f - y' at the nodes, and for each cell the integral of f minus the change of y.
 void CycleNewton::residuals() {
     const int N = mesh_->nodes;
     for (int k = 0; k < N; ++k) {
@@ -92,12 +93,12 @@ void CycleNewton::residuals() {
         const PackVec next = k + 1 < N ? y[k + 1] : mirrored(y[0]);
         for (int c = 0; c < 3; ++c) {
             r_[k][c] = f_[k][c] - slope[c];
-            miss_[k][c] = integral[c] - (next[c] - y[k][c]);
+            cell_residual_[k][c] = integral[c] - (next[c] - y[k][c]);
         }
     }
 }
 
-// A = df/dy, or its derivative by the phase from those of the fields and of the motion.
+// A = df/dy from fields and motion, or dA/dtau from the derivatives of both.
 PackMat CycleNewton::matrix(const Pack* F, const PackVec& u) const {
     return {-g_ * F[0],        u[2] - g_ * F[1], u[1] - g_ * F[2], -u[2] - g_ * F[1], -g_ * F[3],
             -u[0] - g_ * F[4], -g_ * F[5],       -g_ * F[6],       -g_ * F[7] - F[8]};
@@ -116,11 +117,11 @@ void CycleNewton::linearise(int k) {
         minus[i] = even - half;
     }
     cell_[k].inverse = inverse3(minus);
-    cell_[k].part = multiply(A, r_[k]);
+    cell_[k].residual = multiply(A, r_[k]);
 }
 
-// Changes of all nodes as functions of the first one's, which the symmetry of the cycle gives.
-PackVec CycleNewton::chain() {
+// The change of the first node, from the maps between all nodes and the symmetry of the cycle.
+PackVec CycleNewton::solve_cycle() {
     const double h = mesh_->step;
     PackMat P{};
     P[0] = P[4] = P[8] = all(1);
@@ -129,12 +130,12 @@ PackVec CycleNewton::chain() {
         Cell &cell = cell_[k], &next = cell_[k + 1];
         PackVec right;
         for (int c = 0; c < 3; ++c)
-            right[c] = h * h / 12 * (cell.part[c] - next.part[c]) + miss_[k][c];
+            right[c] = h * h / 12 * (cell.residual[c] - next.residual[c]) + cell_residual_[k][c];
         cell.plus = multiply(next.inverse, cell.plus);
-        cell.part = multiply(next.inverse, right);
+        cell.residual = multiply(next.inverse, right);
         P = multiply(cell.plus, P);
         p = multiply(cell.plus, p);
-        for (int c = 0; c < 3; ++c) p[c] += cell.part[c];
+        for (int c = 0; c < 3; ++c) p[c] += cell.residual[c];
     }
     PackMat C;
     for (int i = 0; i < 9; ++i) {
