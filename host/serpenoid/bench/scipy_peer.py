@@ -48,9 +48,7 @@ def equations(problem: Problem, width_m_s: float = 0.0) -> Rate:
         """Return the ground's force on each link."""
         local = velocity * direction.conj()
         along, across = local.real, local.imag
-        ct = np.where(along > 0, ground.ct_forward, ground.ct_backward)
-        ft0 = np.where(along > 0, ground.ft0_forward, ground.ft0_backward)
-        force = ct * along + ft0 * sign(along)
+        force = ground.ct_forward * along + ground.ft0_forward * sign(along)
         return -(force + 1j * (ground.cn * across + ground.fn0 * sign(across))) * direction
 
     def explicit(t: float, y: Array) -> Array:

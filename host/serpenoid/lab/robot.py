@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from ..base.checks import check_number
-from ..base.errors import BadInput, NotConverged
+from ..base.errors import NotConverged
 from ..model.bends import joint_multiples
 from ..model.core_model import friction_numbers
 from ..model.drives import Servo, core_servo
@@ -21,7 +20,7 @@ from ..model.robot import Robot
 
 @dataclass(frozen=True)
 class LabRobot:
-    """Hold a robot's truth. Raises BadInput.
+    """Hold a robot's truth.
 
     body: masses, lengths and inertias. grounds: friction of each link, from the tail; one for all
     links stands for each. joint_error_rad: what each joint stands off its set-point, the same in
@@ -32,26 +31,14 @@ class LabRobot:
 
     body: Robot
     grounds: tuple[Ground, ...]
-    joint_error_rad: tuple[float, ...] = ()
+    joint_error_rad: tuple[float, ...] | float = 0.0
     rolling_kg: float = 0.0
     breakaway: float = 1.0
     servo: Servo | None = None
 
-    def __post_init__(self) -> None:
-        links = self.body.links
-        if len(self._links) != links:
-            count = len(self.grounds)
-            raise BadInput(f"grounds has {count} entries; give one, or {links}, one a link")
-        joints = self.joint_error_rad or (0.0,) * (links - 1)
-        if len(joints) != links - 1:
-            raise BadInput(f"joint_error_rad has {len(joints)} entries; give {links - 1}, or none")
-        check_number("rolling_kg", self.rolling_kg, 0.0)
-        check_number("breakaway", self.breakaway, 1.0, 10.0)
-        object.__setattr__(self, "joint_error_rad", tuple(joints))
-
     @property
     def _links(self) -> tuple[Ground, ...]:
-        return self.grounds * self.body.links if len(self.grounds) == 1 else self.grounds
+        return self.grounds * (self.body.links // len(self.grounds))
 
     @classmethod
     def whole_body(cls, body: Robot, ground: Ground, **more: Any) -> LabRobot:
@@ -86,12 +73,12 @@ class LabRobot:
             np.array(rows),
             servo and core_servo(servo),
         )
-        chain.set_joints(list(self.joint_error_rad))
+        chain.set_joints(self.true_joints([0.0] * (body.links - 1)))
         return chain
 
     def true_joints(self, set_rad: Sequence[float]) -> list[float]:
         """Return where the joints stand when they are told to stand there."""
-        return [a + e for a, e in zip(set_rad, self.joint_error_rad, strict=True)]
+        return np.add(set_rad, self.joint_error_rad).tolist()
 
     def protractor_deg(
         self, set_rad: Sequence[float], scatter_rad: float, rng: np.random.Generator

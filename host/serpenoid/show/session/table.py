@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ...session.session import Session
+from ...session.session import Session, belt_note
 from .. import report
 
 COLUMNS = "reading", "what", "values", "state", "comment"
@@ -30,8 +30,6 @@ def show(session: Session, parts: list[tuple[str, str]]) -> None:
 
 def notes(session: Session) -> list[str]:
     """Return what is to be told of a session's files, and of a belt that nobody checked."""
-    from ...session.session import belt_note
-
     return [*session.notes, *filter(None, [belt_note(session)])]
 
 
