@@ -2,7 +2,7 @@
 
 On viscous ground the reference is SciPy's DOP853 at a tolerance of 1e-13 on the equations of
 `scipy_peer`, which are independent of the core; its error is the difference from a second solution.
-On dry ground it is the tests' integration between switching events (tests/oracle/contact_modes.py);
+On dry ground it is an event-driven integration with DOP853 between the events, outside of the core;
 its error is the change by a tolerance a hundred times looser. Stiff scenes take long, so all end
 states are kept in references.json; `studies/references.py` solves the viscous ones again.
 """
