@@ -25,7 +25,7 @@ import numpy as np
 from ..session.push import Push
 from ..session.session import Session
 from ..session.station import Reading
-from .parameters import Floats, Integers, Parameter, Values
+from .parameters import FRICTIONS, Floats, Integers, Parameter, Values
 
 # Assumed correlation between the setting errors of two bends. They are set one by one, but by the
 # same protractor and servos. Taken for independent (0), cn's interval covers 90 % if they are all
@@ -111,6 +111,11 @@ def projections(
     """
     q, cos, sin = np.asarray(bent_share, dtype=float), np.cos(angle_rad), np.sin(angle_rad)
     return 1.0 - q * sin**2, q * sin**2, 1.0 - q + q * cos, q * sin
+
+
+def frictions_in(values: Values) -> Floats:
+    """Return the four frictions among values, (K, 4), in the order of FRICTIONS."""
+    return np.stack([values[name] for name in FRICTIONS], axis=-1)
 
 
 def resistance(

@@ -37,8 +37,3 @@ class Parameter:
 
 
 FRICTION_PARAMETERS = tuple(Parameter(name, low=0.0) for name in FRICTIONS)
-
-
-def frictions_in(values: Values) -> Floats:
-    """Return the four frictions among values, (K, 4), in the order of FRICTIONS."""
-    return np.stack([values[name] for name in FRICTIONS], axis=-1)

@@ -24,9 +24,9 @@ from ..session.push import Push
 from ..session.session import Session
 from ..session.station import slips
 from ..session.track import chord_places, curved_path
-from .bends import Bends, projections, resistance
+from .bends import Bends, frictions_in, projections, resistance
 from .drift import wheels_share
-from .parameters import FRICTION_PARAMETERS, Floats, Integers, Parameter, Rows, Values, frictions_in
+from .parameters import FRICTION_PARAMETERS, Floats, Integers, Parameter, Rows, Values
 from .push_track import LinearTrack, PushTrack
 
 WHEELS, SCALE = "wheels_turning_over_mass", "film_scale"

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..session.session import Session
-from .bends import Bends, resistance
+from .bends import Bends, frictions_in, resistance
 from .parameters import (
     BELT,
     FRICTION_PARAMETERS,
@@ -31,7 +31,6 @@ from .parameters import (
     Integers,
     Parameter,
     Values,
-    frictions_in,
 )
 from .rounding import shared_rounding
 
