@@ -4,12 +4,13 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
-#include <nanobind/stl/complex.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -152,8 +153,26 @@ nb::dict run_scene(RunRequest& request, Vector start, nb::object progress) {
     return result;
 }
 
-void set_method(RunRequest& request, const std::string& name) {
-    request.method = method_kind(name);
+void choose(RunRequest& request, const std::string& formulation, const std::string& drive,
+            const std::string& method) {
+    request.formulation =
+        formulation == "implicit" ? Formulation::implicit : Formulation::explicit_;
+    request.drive = drive == "angle"    ? Drive::angle
+                    : drive == "torque" ? Drive::torque
+                                        : Drive::servo;
+    request.method = method_kind(method);
+}
+
+// Joints count from 1 at the tail; the locked ones with their angles.
+void set_faults(RunRequest& request, const std::vector<int>& limp,
+                const std::map<int, double>& locked) {
+    request.faults.assign(request.robot.n - 1, Fault::none);
+    request.locked_rad.assign(request.robot.n - 1, 0);
+    for (const int joint : limp) request.faults[joint - 1] = Fault::limp;
+    for (const auto& [joint, angle] : locked) {
+        request.faults[joint - 1] = Fault::locked;
+        request.locked_rad[joint - 1] = angle;
+    }
 }
 
 nb::list method_table() {
@@ -171,17 +190,6 @@ nb::list method_table() {
 }
 
 void bind_run(nb::module_& m) {
-    nb::enum_<Formulation>(m, "Formulation")
-        .value("explicit", Formulation::explicit_)
-        .value("implicit", Formulation::implicit);
-    nb::enum_<Drive>(m, "Drive")
-        .value("angle", Drive::angle)
-        .value("torque", Drive::torque)
-        .value("servo", Drive::servo);
-    nb::enum_<Fault>(m, "Fault")
-        .value("none", Fault::none)
-        .value("limp", Fault::limp)
-        .value("locked", Fault::locked);
     nb::class_<RunRequest> request(m, "RunRequest");
     request
         .def("__init__",
@@ -191,12 +199,8 @@ void bind_run(nb::module_& m) {
                  self->ground = model.ground;
                  self->gait = model.gait;
              })
-        .def_rw("formulation", &RunRequest::formulation)
-        .def_rw("drive", &RunRequest::drive)
-        .def_rw("faults", &RunRequest::faults)
-        .def_rw("locked_rad", &RunRequest::locked_rad)
-        .def_prop_rw(
-            "method", [](const RunRequest& request) { return request.method.name; }, &set_method)
+        .def("choose", &choose)
+        .def("set_faults", &set_faults)
         .def_rw("max_steps", &RunRequest::max_steps)
         .def_rw("record_joints", &RunRequest::record_joints)
         .def_rw("record_friction", &RunRequest::record_friction)

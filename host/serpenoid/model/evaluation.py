@@ -116,12 +116,11 @@ def acceleration(
     check_choice("formulation", formulation)
     links = _link_state(robot, state)
     request = _core.RunRequest(core_model(robot, ground, Gait(0.0, 0.0, 1.0)))
-    request.formulation = getattr(_core.Formulation, formulation)
+    request.choose(formulation, "angle" if torque_nm is None else "torque", "rk4")
     joints = {"torque_nm": torque_nm, "joint_acceleration_rad_s2": joint_acceleration_rad_s2}
     imposed = [(name, values) for name, values in joints.items() if values is not None]
     if len(imposed) != 1:
         raise BadInput(f"{len(imposed)} of {' and '.join(joints)} are given; give one of them")
-    request.drive = _core.Drive.angle if torque_nm is None else _core.Drive.torque
     request.joint_stiffness_n_m = check_number("joint_stiffness_n_m", joint_stiffness_n_m, 0.0)
     request.joint_damping_n_s_m = check_number("joint_damping_n_s_m", joint_damping_n_s_m, 0.0)
     by_joint = finite_vector(*imposed[0], robot.links - 1)

@@ -188,8 +188,7 @@ def start_state(scene: Scene) -> LinkState:
 def core_request(scene: Scene) -> Any:
     """Return a scene as the core takes it."""
     q = _core.RunRequest(core_model(scene.robot, scene.ground, scene.gait))
-    q.formulation = getattr(_core.Formulation, scene.formulation)
-    q.drive = getattr(_core.Drive, scene.drive)
+    q.choose(scene.formulation, scene.drive, scene.method)
     for name in _core.SCENE_FIELDS:
         setattr(q, name, getattr(scene, name))
     if scene.incline_rad > 0:
@@ -203,13 +202,8 @@ def core_request(scene: Scene) -> Any:
         q.set_torque_function(lambda t: finite_vector(f"torque at {t:g} s", torque(t), size))
     if scene.servo is not None:
         q.servo = core_servo(scene.servo)
-    faults = dict.fromkeys(scene.limp, _core.Fault.limp)
-    faults |= dict.fromkeys(scene.locked, _core.Fault.locked)
-    if faults:
-        joints = range(1, scene.robot.links)
-        q.faults = [faults.get(joint, _core.Fault.none) for joint in joints]
-        q.locked_rad = [scene.locked.get(joint, 0.0) for joint in joints]
-    q.method = scene.method
+    if scene.limp or scene.locked:
+        q.set_faults(scene.limp, scene.locked)
     q.max_steps = MAX_LINK_STEPS // scene.robot.links
     for name in CHOICES["record"]:
         setattr(q, f"record_{name}", name in scene.record)
