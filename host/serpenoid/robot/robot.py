@@ -38,7 +38,6 @@ from .wire.reports import Status, Trim, settings_of, status_of, trims_of
 if TYPE_CHECKING:
     from ..model.gait import Gait
 
-ATTEMPTS = 5
 T = TypeVar("T")
 
 
@@ -252,12 +251,13 @@ class RobotBoard:
 
     def _answer_of(self, text: str, read: Callable[[list[Data]], T]) -> T:
         """Ask until every line of the answer came whole; verdicts are repeated, data are not."""
-        for _ in range(ATTEMPTS):
+        attempts = 5
+        for _ in range(attempts):
             answer = self._dialogue.ask(text)
             _obey(text, answer)
             with suppress(DamagedLine):
                 return read(answer.data)
-        raise DamagedLine(f"{ATTEMPTS} answers to {text!r} came damaged; check cable and ground")
+        raise DamagedLine(f"{attempts} answers to {text!r} came damaged; check cable and ground")
 
     def _halt(self) -> None:
         if self._talk is not None and os.getpid() == self._process:

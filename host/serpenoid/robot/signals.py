@@ -9,8 +9,6 @@ from types import FrameType, FunctionType
 
 from ..base import system
 
-_WATCHED = (signal.SIGINT, *system.ENDING, *system.SUSPENDING)
-
 
 class SignalGuard:
     """Call `stop` at once on a signal, then the handler that the signal had before.
@@ -40,7 +38,7 @@ class SignalGuard:
         """Install the handlers."""
         if threading.current_thread() is not threading.main_thread():
             return
-        for number in _WATCHED:
+        for number in (signal.SIGINT, *system.ENDING, *system.SUSPENDING):
             handler = signal.getsignal(number)
             if handler in (signal.SIG_IGN, None):  # Python cannot restore a None.
                 continue

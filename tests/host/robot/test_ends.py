@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+from dataclasses import replace
 
 import pytest
 from command_line import program
@@ -213,7 +214,7 @@ def test_a_slow_loop_ends_in_time_and_counts_unread_frames(crawling):
 
 
 def test_a_stop_is_sent_while_another_thread_waits_for_a_verdict(monkeypatch, crawling):
-    monkeypatch.setattr(dialogue, "PATIENCE_S", LONG_S)
+    monkeypatch.setattr(dialogue, "TIMES", replace(dialogue.TIMES, patience_s=LONG_S))
     fake, robot = crawling
     fake.to_host = lambda line: b"" if line.startswith(b"ok: #") else line  # without a verdict
     waiting = threading.Thread(target=robot.status)
@@ -230,7 +231,8 @@ def test_a_stop_is_sent_while_another_thread_waits_for_a_verdict(monkeypatch, cr
 
 
 def test_a_motion_with_a_lost_verdict_is_not_repeated_after_a_stop(monkeypatch, crawling):
-    monkeypatch.setattr(dialogue, "RETRY_S", 0.3)  # longer than the stop takes
+    times = replace(dialogue.TIMES, retry_s=0.3)  # longer than the stop takes
+    monkeypatch.setattr(dialogue, "TIMES", times)
     fake, robot = crawling
     stops: list[threading.Thread] = []
 

@@ -15,7 +15,6 @@ from pathlib import Path
 from ...base.errors import BadInput, RecordingFailed
 
 TITLE = "# serpenoid wire 1"
-COLUMNS = "# seconds since the start, < from or > to the board, the line with its CRC"
 DISK_S = 2.0  # time for the disk to take the first row, and all that waits at the end
 
 
@@ -59,7 +58,8 @@ class Recorder:
         atexit.register(self._at_exit)
         self._thread.start()
         begun = datetime.now(timezone.utc).isoformat(timespec="milliseconds")
-        head = Row(f"{TITLE}, begun {begun}\n{COLUMNS}")
+        columns = "# seconds since the start, < from or > to the board, the line with its CRC"
+        head = Row(f"{TITLE}, begun {begun}\n{columns}")
         self._queue.put(head)
         if not self._wait(head, DISK_S) or self._failure:
             raise self._failure or self._failed(f"it took nothing for {DISK_S:g} s")

@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-MAX_BYTES = 1 << 28  # eight hours of telemetry, which take a gigabyte of memory
-_ROW = re.compile(rb"(\d{1,12}(?:\.\d{1,9})?) ([<>]) (.*)", re.DOTALL)
-
 
 @dataclass(frozen=True)
 class Stream:
@@ -65,7 +62,7 @@ def load_stream(path: Path) -> Stream:
 
 def _rows(path: Path) -> Iterator[tuple[int, bytes]]:
     """Yield the rows that are whole, counted from 1."""
-    check_file(path, MAX_BYTES)
+    check_file(path, 1 << 28)  # eight hours of telemetry, which take a gigabyte of memory
     with path.open("rb") as file:
         for number, row in enumerate(file, 1):
             if row.endswith(b"\n"):  # else it is half a row
@@ -121,7 +118,7 @@ class _Reading:
         )
 
     def _parts(self, row: bytes) -> tuple[float, str, bytes]:
-        parts = _ROW.fullmatch(row)
+        parts = re.fullmatch(rb"(\d{1,12}(?:\.\d{1,9})?) ([<>]) (.*)", row, re.DOTALL)
         if not parts:
             raise ValueError("it is not `SECONDS < LINE` or `SECONDS > LINE`")
         seconds, direction, text = parts.groups()

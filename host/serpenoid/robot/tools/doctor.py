@@ -15,27 +15,6 @@ from .limp_test import RELEASED
 from .upload import find_platformio
 
 Mark = Literal["ok", "note", "fix"]
-SAVE_ANEW = "check each servo and save: serpenoid trim"
-SETTINGS: dict[str, tuple[Mark, str, str]] = {
-    "ok": ("ok", "whole", ""),
-    "new": (
-        "note",
-        "nothing saved yet: the firmware's defaults are in use",
-        "centre the servos: serpenoid trim",
-    ),
-    "older": ("fix", "the newest copy was damaged, the one before it is in use", SAVE_ANEW),
-    "damaged": ("fix", "both copies are damaged: the firmware's defaults are in use", SAVE_ANEW),
-}
-RESETS = {
-    "brownout": "give the servos a supply of their own and join the grounds",
-    "watchdog": "the program hung: flash the newest firmware; if it persists, report it",
-}
-TROUBLES = {  # what an error is about, and what was found
-    PortBusy: ("other programs", "in use"),
-    NoAnswer: ("greeting", "none"),
-    ProtocolMismatch: ("protocol", "another one"),
-}
-LATE_US = 2000  # the firmware's own budget for the lateness of a frame (firmware/README.md)
 
 
 @dataclass(frozen=True)
@@ -67,7 +46,12 @@ def examine(
     try:
         yield from _robot(port, listen_s, timeout_s)
     except RobotError as error:
-        name, result = TROUBLES.get(type(error), ("port", "not usable"))
+        troubles = {  # what an error is about, and what was found
+            PortBusy: ("other programs", "in use"),
+            NoAnswer: ("greeting", "none"),
+            ProtocolMismatch: ("protocol", "another one"),
+        }
+        name, result = troubles.get(type(error), ("port", "not usable"))
         yield Finding(name, "fix", result, str(error))
     if pio := find_platformio():
         yield Finding("platformio", "ok", pio)
@@ -97,7 +81,18 @@ def _robot(port: str | None, listen_s: float, timeout_s: float) -> Iterator[Find
 
 
 def _settings(hello: Hello, settings: dict[str, float]) -> Iterator[Finding]:
-    yield Finding("settings", *SETTINGS.get(hello.settings, ("fix", hello.settings, SAVE_ANEW)))
+    anew = "check each servo and save: serpenoid trim"
+    copies: dict[str, tuple[Mark, str, str]] = {
+        "ok": ("ok", "whole", ""),
+        "new": (
+            "note",
+            "nothing saved yet: the firmware's defaults are in use",
+            "centre the servos: serpenoid trim",
+        ),
+        "older": ("fix", "the newest copy was damaged, the one before it is in use", anew),
+        "damaged": ("fix", "both copies are damaged: the firmware's defaults are in use", anew),
+    }
+    yield Finding("settings", *copies.get(hello.settings, ("fix", hello.settings, anew)))
     if not settings["silence"]:
         fix = "send `set silence 2` and `save`: serpenoid monitor"
         yield Finding("silence", "note", "off: nothing stops the robot if the host dies", fix)
@@ -105,8 +100,12 @@ def _settings(hello: Hello, settings: dict[str, float]) -> Iterator[Finding]:
     mark: Mark = "ok" if released == 1.0 else "note"
     fix = "" if released else "try it once, one servo unlinked: serpenoid doctor --limp"
     yield Finding("without pulses", mark, RELEASED.get(released, f"code {released:g}"), fix)
-    if hello.reset in RESETS:
-        yield Finding("last reset", "fix", hello.reset, RESETS[hello.reset])
+    resets = {
+        "brownout": "give the servos a supply of their own and join the grounds",
+        "watchdog": "the program hung: flash the newest firmware; if it persists, report it",
+    }
+    if hello.reset in resets:
+        yield Finding("last reset", "fix", hello.reset, resets[hello.reset])
 
 
 def _running(robot: RobotBoard, listen_s: float) -> Iterator[Finding]:
@@ -125,7 +124,8 @@ def _running(robot: RobotBoard, listen_s: float) -> Iterator[Finding]:
         f"longest pass {status.longest_pass_us} us"
     )
     cure = "flash the newest firmware: serpenoid flash; if it persists, report these numbers"
-    in_time = not status.overruns and status.late_us <= LATE_US
+    max_late_us = 2000  # the firmware's own budget for a frame (firmware/README.md)
+    in_time = not status.overruns and status.late_us <= max_late_us
     yield Finding.judged("timing", result, in_time, cure)
     drift = robot.clock
     if not drift.span_s:

@@ -16,10 +16,6 @@ from ..wire.protocol import Telemetry
 if TYPE_CHECKING:
     from ...model.gait import Gait
 
-UNATTENDED_S = 2.0  # a watch that takes longer, as on a halted terminal, stops the robot
-MOST_MISSED = 0.1  # share of the frames due: of a run that has lost more, little can be said
-UNDERWAY_S = 0.3  # frames that a busy computer may not have taken in at the end
-
 
 @dataclass(kw_only=True)
 class Summary(Losses):
@@ -53,7 +49,8 @@ class DrivenRun:
 
     def __init__(self, gait: Gait, port: str | None, record: Path | None, joints: int | None):
         self.gait = gait
-        self.robot = RobotBoard(port, joints=joints, record=record, unattended_s=UNATTENDED_S)
+        # A watch that takes longer than 2 s, as on a halted terminal, stops the robot.
+        self.robot = RobotBoard(port, joints=joints, record=record, unattended_s=2.0)
         self.first: Telemetry | None = None
         self.last: Telemetry | None = None
         self.frames = 0
@@ -120,10 +117,11 @@ class DrivenRun:
 
     def _check_frames(self, duration_s: float) -> None:
         """Raise FramesMissing if many of a time's frames did not come, the last ones too."""
-        due = (duration_s - UNDERWAY_S) * 1e6 / self.robot.hello.frame_us
+        # A busy computer may not have taken in the frames of the last 0.3 s.
+        due = (duration_s - 0.3) * 1e6 / self.robot.hello.frame_us
         came = self.frames + self.robot.losses.unread_frames
         missed = max(self.robot.losses.missed_frames, math.ceil(due) - came)
-        if missed >= MOST_MISSED * (came + missed):
+        if missed >= 0.1 * (came + missed):  # of such a run little can be said
             raise FramesMissing(
                 f"{came} frames came and {missed} did not; use a shorter or better USB "
                 "cable, and no hub; `serpenoid doctor` counts what is lost"

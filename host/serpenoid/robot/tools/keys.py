@@ -17,10 +17,6 @@ NAMES = {
     "\x08": "backspace",
     "\x04": "end",
 }
-# A key is one character, or a code behind an escape: of an arrow, of Delete, of F1.
-KEY = re.compile(r"\x1b(\[[\d;]*[A-Za-z~]|O[A-Z])|.", re.DOTALL)
-UNFINISHED = re.compile(r"\x1b(\[[\d;]*|O)?$")
-REST_S = 0.05  # time in which the rest of a key's code comes
 
 
 def need_terminal() -> None:
@@ -47,9 +43,11 @@ class KeyReader:
         """Return the next key within so many seconds, or nothing."""
         if not self._text:
             self._fill(timeout_s)
-        while UNFINISHED.search(self._text) and self._fill(REST_S):
+        # The rest of a key's code comes within 0.05 s.
+        while re.search(r"\x1b(\[[\d;]*|O)?$", self._text) and self._fill(0.05):
             pass
-        key = KEY.match(self._text)
+        # A key is one character, or a code behind an escape: of an arrow, of Delete, of F1.
+        key = re.match(r"\x1b(\[[\d;]*[A-Za-z~]|O[A-Z])|.", self._text, re.DOTALL)
         if not key:
             return ""
         self._text = self._text[key.end() :]

@@ -10,18 +10,15 @@ from ...base.files import visible
 from ..robot import RobotBoard
 from ..wire.protocol import Telemetry, Verdict, parse, unseal
 
-FRAMES_A_LINE = 50  # telemetry lines of which one is printed: one a second
-UNATTENDED_S = 86400.0  # a person may think between two lines
-
 
 class MonitoredBoard(RobotBoard):
     """A board whose lines are printed as they come, once it is opened.
 
-    Verdicts on pings are left out, and telemetry but for one line in FRAMES_A_LINE.
+    Verdicts on pings are left out, and telemetry but for one line in fifty: one a second.
     """
 
     def __init__(self, port: str | None):
-        super().__init__(port, unattended_s=UNATTENDED_S)
+        super().__init__(port, unattended_s=86400.0)  # a person may think between two lines
         self._frames = 0
         self.shown = False
 
@@ -41,7 +38,7 @@ class MonitoredBoard(RobotBoard):
             return f"damaged: {error}"
         if isinstance(message, Telemetry):
             self._frames += 1
-            return "" if self._frames % FRAMES_A_LINE else text
+            return "" if self._frames % 50 else text
         pending = self._talk and self._talk.inbox.pending
         is_ping = pending and pending.text == "ping"
         return "" if is_ping and isinstance(message, Verdict) else text

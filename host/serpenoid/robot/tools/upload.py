@@ -19,12 +19,6 @@ from ..signals import SignalGuard
 from ..wire.ports import find_port, is_there, missing, serial_ports
 from ..wire.protocol import FEWEST_JOINTS, Hello
 
-# USB vendor and product ids of boards that say what they are; copies have their chip's ids.
-USB_IDS = {
-    "uno": {(0x2A03, 0x43)} | {(0x2341, code) for code in (0x1, 0x43, 0x6A, 0x243)},
-    "mega": set(product((0x2341, 0x2A03), (0x10, 0x42, 0x210, 0x242))),
-}
-OUTPUTS = {"servo": "", "pca9685": "-D SERPENOID_PCA9685"}  # build flags
 # The Servo library makes 12 pulses with one timer, and the memory of an Uno or Nano holds 8 joints.
 MAX_JOINTS = {"uno": 8, "nano": 8, "nano_old": 8, "mega": 12}
 GREETING_S = 10.0
@@ -67,8 +61,8 @@ def flash(
     """Build, upload, and return the greeting of the new firmware.
 
     board: one of MAX_JOINTS, or None if the USB id tells; port: None finds it by USB id. show takes
-    PlatformIO's output as it comes. output: one of OUTPUTS, what makes the servos' pulses. Raises
-    BadInput, PortMissing, PortBusy, FlashFailed, NoAnswer.
+    PlatformIO's output as it comes. output: "servo" or "pca9685", what makes the servos' pulses.
+    Raises BadInput, PortMissing, PortBusy, FlashFailed, NoAnswer.
     """
     folder = find_project()
     pio = find_platformio()
@@ -101,7 +95,8 @@ def flash(
 def build_flags(joints: int, output: str) -> str:
     """Return what PlatformIO is to add to the compiler's flags, the user's own before it."""
     flags = os.environ.get("PLATFORMIO_BUILD_FLAGS", "")
-    return " ".join(f"{flags} -D SERPENOID_JOINTS={joints} {OUTPUTS[output]}".split())
+    pulses = "-D SERPENOID_PCA9685" if output == "pca9685" else ""
+    return " ".join(f"{flags} -D SERPENOID_JOINTS={joints} {pulses}".split())
 
 
 def find_platformio() -> str | None:
@@ -135,9 +130,14 @@ def installed_project() -> Path | None:
 
 def board_at(port: str) -> str:
     """Identify the board by its USB id. Raises BadInput."""
+    # Vendor and product ids of boards that say what they are; copies have their chip's ids.
+    usb_ids = {
+        "uno": {(0x2A03, 0x43)} | {(0x2341, code) for code in (0x1, 0x43, 0x6A, 0x243)},
+        "mega": set(product((0x2341, 0x2A03), (0x10, 0x42, 0x210, 0x242))),
+    }
     place = os.path.realpath(port)
     ids = {(p.vid, p.pid) for p in serial_ports() if os.path.realpath(p.device) == place}
-    for board, of_board in USB_IDS.items():
+    for board, of_board in usb_ids.items():
         if ids & of_board:
             return board
     raise BadInput(

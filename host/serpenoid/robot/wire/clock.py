@@ -12,13 +12,28 @@ from ..._core import firmware
 from ...base.errors import ClockWrong
 
 FRAME_US = round(firmware.FRAME_S * 1e6)
-TOLERANCE_PPM = 5000.0  # error of a Uno's ceramic resonator, before anything is measured
-MOST_SD_PPM = 200_000.0  # a host may be busy; arrivals more scattered follow no clock
-BUSY_S = 0.05  # time by which even the least delay may change over a run
-MOST_BLOCKS = 64
-FEWEST_BLOCKS = 6
-STEP_US = 4.0  # resolution of the board's micros()
-MOST_HOP_US = 60_000_000  # beyond what the frames tell: no board is so late
+
+
+@dataclass(frozen=True)
+class ClockBounds:
+    """Bounds within which a board's clock is followed and believed.
+
+    tolerance_ppm: error of a Uno's ceramic resonator, before anything is measured. max_sd_ppm: a
+    host may be busy, but arrivals more scattered follow no clock. busy_s: time by which even the
+    least delay may change over a run. min_blocks, max_blocks: of time, for a drift and in memory.
+    step_us: resolution of the board's micros(). max_hop_us: of its time against its frames.
+    """
+
+    tolerance_ppm: float = 5000.0
+    max_sd_ppm: float = 200_000.0
+    busy_s: float = 0.05
+    min_blocks: int = 6
+    max_blocks: int = 64
+    step_us: float = 4.0
+    max_hop_us: int = 60_000_000
+
+
+BOUNDS = ClockBounds()
 
 
 @dataclass(frozen=True)
@@ -45,17 +60,17 @@ class Drift:
     @property
     def believable(self) -> bool:
         """Tell whether the drift is possible for a resonator, or for a host that got busier."""
-        busy_ppm = BUSY_S / self.span_s * 1e6 if self.span_s else 0.0
-        is_steady = self.sd_ppm <= MOST_SD_PPM
-        return is_steady and abs(self.ppm) <= TOLERANCE_PPM + busy_ppm + 3 * self.sd_ppm
+        busy_ppm = BOUNDS.busy_s / self.span_s * 1e6 if self.span_s else 0.0
+        is_steady = self.sd_ppm <= BOUNDS.max_sd_ppm
+        return is_steady and abs(self.ppm) <= BOUNDS.tolerance_ppm + busy_ppm + 3 * self.sd_ppm
 
     def check(self) -> None:
         """Raise ClockWrong if no resonator can be so far off."""
         if not self.believable:
             raise ClockWrong(
                 f"the board's clock runs {self.ppm:+.0f} ± {self.sd_ppm:.0f} ppm against this "
-                f"computer's; its resonator may be {TOLERANCE_PPM:.0f} ppm off: is the firmware "
-                "built for this board, is this computer too busy to hear it in time?"
+                f"computer's; its resonator may be {BOUNDS.tolerance_ppm:.0f} ppm off: is the "
+                "firmware built for this board, is this computer too busy to hear it in time?"
             )
 
 
@@ -100,7 +115,7 @@ class BoardClock:
             return board_us
         expected = (frame - last_frame) * self.frame_us
         hop_us = (passed_us - expected + 2**31) % 2**32 - 2**31
-        if abs(hop_us) > MOST_HOP_US:
+        if abs(hop_us) > BOUNDS.max_hop_us:
             self._board_us += expected
             raise ClockWrong(
                 f"the board's clock hops by {hop_us / 1e6:.0f} s from frame {last_frame} to "
@@ -121,8 +136,8 @@ class BoardClock:
     def drift(self) -> Drift:
         """Return the drift found so far."""
         blocks = self._blocks
-        if len(blocks) < FEWEST_BLOCKS:
-            return Drift(0.0, TOLERANCE_PPM, 0.0)
+        if len(blocks) < BOUNDS.min_blocks:
+            return Drift(0.0, BOUNDS.tolerance_ppm, 0.0)
         slope, sd = _line(blocks)
         span_s = blocks[-1].host_s - blocks[0].host_s
         if not 0 < slope < math.inf:  # it runs backwards, or stands
@@ -138,7 +153,7 @@ class BoardClock:
         self._best = None
         drift = self.drift()
         self._rate = 1 + drift.ppm * 1e-6 if drift.believable else 1.0
-        if len(self._blocks) == MOST_BLOCKS:
+        if len(self._blocks) == BOUNDS.max_blocks:
             pairs = zip(self._blocks[::2], self._blocks[1::2], strict=True)
             self._blocks = [min(pair, key=self._delay) for pair in pairs]
             self._block_s *= 2
@@ -158,4 +173,4 @@ def _line(arrivals: list[_Arrival]) -> tuple[float, float]:
     slope = offset_s @ host_s / spread
     miss_s = host_s - host_s.mean() - slope * offset_s
     scatter = miss_s @ miss_s / (len(arrivals) - 2)
-    return float(slope), math.sqrt(max(scatter, (STEP_US * 1e-6) ** 2 / 12) / spread)
+    return float(slope), math.sqrt(max(scatter, (BOUNDS.step_us * 1e-6) ** 2 / 12) / spread)

@@ -13,6 +13,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from ...base.errors import (
@@ -27,20 +28,31 @@ from .inbox import Inbox
 from .link import Link
 from .protocol import LONGEST_LINE, Data, Telemetry, Verdict, refused, seal
 
-RETRY_S = 0.1
-LEAST_S = 1e-6  # patience, at least: less is a rounding error
-PATIENCE_S = 2.0
-PING_S = 0.4
-QUIET_S = 1.0  # without a frame, and the two next ones, telemetry has ended
-PINGS_A_SILENCE = 4  # so that the board does not go safe over one that is late
 STOP = b"\n!\n"
-MOTIONS = ("gait", "pose")
-MOST_STOPS = 10  # that other threads may send while one asks for something that moves nothing
+
+
+@dataclass(frozen=True)
+class WireTimes:
+    """Times of the conversation, in seconds.
+
+    retry_s: without a verdict, after which a command is sent again. patience_s: without a verdict,
+    after which the board is lost; min_patience_s: less is a rounding error. ping_s: between two
+    pings. quiet_s: without a frame, beside two more frames, after which telemetry has ended.
+    """
+
+    retry_s: float = 0.1
+    patience_s: float = 2.0
+    min_patience_s: float = 1e-6
+    ping_s: float = 0.4
+    quiet_s: float = 1.0
+
+
+TIMES = WireTimes()
 
 
 def is_motion(text: str) -> bool:
     """Tell whether a command sets the robot in motion."""
-    return text.split(maxsplit=1)[0] in MOTIONS
+    return text.split(maxsplit=1)[0] in ("gait", "pose")
 
 
 class Answer(NamedTuple):
@@ -70,7 +82,7 @@ class Dialogue:
         self._unattended_s = unattended_s
         self._attended_s = link.now_s()
         self._spoken_s = self._attended_s
-        self._ping_s = PING_S
+        self._ping_s = TIMES.ping_s
         self._number = 0
         self._rest = b""
         self.failure: RobotError | None = None  # what ended the run
@@ -103,7 +115,7 @@ class Dialogue:
     def ask(self, text: str) -> Answer:
         """Send a command under the next number; return its answer or raise RobotLost."""
         self._attend()
-        return self._ask_within(text, PATIENCE_S)
+        return self._ask_within(text, TIMES.patience_s)
 
     def halt(self) -> None:
         """Stop the robot at once, whatever else is under way; the verdict is not waited for."""
@@ -119,25 +131,26 @@ class Dialogue:
         """
         if not self._closing.is_set():  # what is closed is not lost
             self.halt()
-        answer = self._ask_within("stop", PATIENCE_S)
+        answer = self._ask_within("stop", TIMES.patience_s)
         if answer.verdict.accepted:
             self._await_rest()
         return answer
 
     def _await_rest(self) -> None:
         """Wait until a `state:` line, a frame or a status says that the board rests."""
-        states, until_s = self.inbox.states, self.link.now_s() + PATIENCE_S
-        while not self.wait(lambda: states.rested, self.link.now_s() + RETRY_S):
+        states, until_s = self.inbox.states, self.link.now_s() + TIMES.patience_s
+        while not self.wait(lambda: states.rested, self.link.now_s() + TIMES.retry_s):
             if self.link.now_s() >= until_s:
                 raise StopUnconfirmed(
                     f"the board said ok to it, but its state is {states.last!r} "
-                    f"{PATIENCE_S:g} s later; if the robot moves, cut its power"
+                    f"{TIMES.patience_s:g} s later; if the robot moves, cut its power"
                 )
-            self._ask_within("status", PATIENCE_S)
+            self._ask_within("status", TIMES.patience_s)
 
     def feed(self, silence_s: float) -> None:
         """Ping often enough for a board whose silence time is this; 0 is none."""
-        self._ping_s = min(PING_S, silence_s / PINGS_A_SILENCE or PING_S)
+        # Four pings in the silence time: the board does not go safe over one that is late.
+        self._ping_s = min(TIMES.ping_s, silence_s / 4 or TIMES.ping_s)
 
     def wait(self, done: Callable[[], bool], until_s: float) -> bool:
         """Wait until done() or the host's time until_s; return done(). Raises what ended the run.
@@ -193,7 +206,7 @@ class Dialogue:
     def _check_telemetry(self) -> None:
         """Raise FramesMissing if frames should come and do not, in time spent listening."""
         quiet_s, tell_s = self.inbox.quiet_s, self.inbox.telemetry_s
-        if tell_s and quiet_s > QUIET_S + 2 * tell_s:
+        if tell_s and quiet_s > TIMES.quiet_s + 2 * tell_s:
             raise FramesMissing(
                 f"no telemetry for {quiet_s:.1f} s, though the board should tell every "
                 f"{tell_s:g} s: is it this firmware, does it hang, is the cable sound? "
@@ -213,7 +226,7 @@ class Dialogue:
             unseen = self.failure or self.inbox.notice
         with suppress(RobotError):
             if self.inbox.in_session:
-                self._ask_within("bye", PATIENCE_S / 4)
+                self._ask_within("bye", TIMES.patience_s / 4)
         self.fall_silent()
         return list(filter(None, (unstopped, unseen)))
 
@@ -221,7 +234,7 @@ class Dialogue:
         """Stop reading and pinging, without a message: the wire may be used anew."""
         self._closing.set()
         for thread in self._threads:
-            thread.join(PATIENCE_S)
+            thread.join(TIMES.patience_s)
 
     def pass_time(self, most_s: float, done: Callable[[], bool] = lambda: False) -> None:
         """Let time pass until done(), keeping the board awake; raise what ended the run."""
@@ -262,7 +275,7 @@ class Dialogue:
     def _ask_within(self, text: str, patience_s: float) -> Answer:
         answer: Answer | None = None
         with self._talking:
-            for _ in range(MOST_STOPS):
+            for _ in range(10):  # Other threads may stop what moves nothing, too.
                 self._check()
                 self._number = (self._number + 1) & 0xFFFF
                 answer = self._exchange(text, patience_s)
@@ -295,16 +308,16 @@ class Dialogue:
                 raise refused(text, "stopped")
             self._write(line)
             self._spoken_s = self.link.now_s()
-            retry_s = min(RETRY_S, left_s)
+            retry_s = min(TIMES.retry_s, left_s)
             self.wait(
                 lambda: pending.verdict is not None or pending.damaged, self._spoken_s + retry_s
             )
             if pending.damaged:  # not at the pace of a board that answers everything so
-                self.wait(lambda: pending.verdict is not None, self._spoken_s + RETRY_S / 5)
+                self.wait(lambda: pending.verdict is not None, self._spoken_s + TIMES.retry_s / 5)
             if pending.verdict:
                 return Answer(pending.verdict, pending.data)
             left_s -= min(self.link.now_s() - self._spoken_s, retry_s)
-            if left_s < LEAST_S:
+            if left_s < TIMES.min_patience_s:
                 return None
             with self._changed:
                 self.inbox.losses.resent_commands += 1
@@ -355,7 +368,7 @@ class Dialogue:
 
     def _ping_if_quiet(self) -> None:
         if self.link.now_s() - self._spoken_s > self._ping_s:
-            self._ask_within("ping", PATIENCE_S)
+            self._ask_within("ping", TIMES.patience_s)
 
     def _abandon(self) -> None:
         self._attended_s = self.link.now_s()

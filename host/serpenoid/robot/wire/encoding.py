@@ -8,18 +8,16 @@ import re
 
 from ...base.errors import BadInput, DamagedLine
 
-NUMBER = re.compile(r"-?\d{1,10}(\.\d{1,6})?", re.ASCII)
-MOST_SENT = 1e9  # the board's own limits are lower, and told by it
 MOST_COUNT = 2**32 - 1
 
 
 def digits(value: float) -> str:
     """Write a number as the wire takes it: at most 6 decimals, no exponent. Raises BadInput."""
-    number = isinstance(value, numbers.Real)
-    if not number or not -MOST_SENT <= value <= MOST_SENT:  # NaN and integers beyond any float, too
+    number, largest = isinstance(value, numbers.Real), 1e9  # The board's own limits are lower.
+    if not number or not -largest <= value <= largest:  # NaN and integers beyond any float, too
         shown = "an integer" if isinstance(value, int) else repr(value)[:40]
         raise BadInput(
-            f"{shown} cannot be sent; it must be a number, finite and at most {MOST_SENT:g} in size"
+            f"{shown} cannot be sent; it must be a number, finite and at most {largest:g} in size"
         )
     text = f"{value:.6f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
@@ -32,7 +30,8 @@ def degrees(angle_rad: float) -> str:
 
 def number_in(name: str, text: str, low: float = -MOST_COUNT, high: float = MOST_COUNT) -> float:
     """Return a number that a board said, or raise DamagedLine if it can say no such number."""
-    if not NUMBER.fullmatch(text) or not low <= float(text) <= high:
+    is_number = re.fullmatch(r"-?\d{1,10}(\.\d{1,6})?", text, re.ASCII)
+    if not is_number or not low <= float(text) <= high:
         raise DamagedLine(
             f"{name} is {text[:40]!r}; a board says a number from {low:g} to {high:g}"
         )

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from ...base.errors import NoAnswer, ProtocolMismatch
-from .dialogue import LEAST_S, Dialogue
+from .dialogue import TIMES, Dialogue
 from .link import BAUD
 from .protocol import PROTOCOL
 
 FLASH = "`serpenoid flash --port {port}`"
-BOOT_S = 2.0  # Time in which a board greets unasked after the port's opening has reset it.
 
 
 def greet(talk: Dialogue, timeout_s: float) -> None:
@@ -17,11 +16,12 @@ def greet(talk: Dialogue, timeout_s: float) -> None:
     timeout_s: time to listen. Time in which this process was suspended does not count.
     """
     now_s = talk.link.now_s
-    begun_s, boot_s = now_s(), min(BOOT_S, timeout_s / 2)
+    # A board greets unasked within 2 s after the port's opening has reset it.
+    begun_s, boot_s = now_s(), min(2.0, timeout_s / 2)
     talk.wait(lambda: talk.inbox.heard, begun_s + boot_s)
     left_s = timeout_s - min(now_s() - begun_s, boot_s)
     opened = False
-    while not opened and left_s > LEAST_S:
+    while not opened and left_s > TIMES.min_patience_s:
         _check_protocol(talk)
         asked_s, ask_s = now_s(), min(0.5, left_s)
         opened = talk.open_session(ask_s)

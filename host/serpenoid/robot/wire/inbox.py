@@ -13,9 +13,6 @@ from .protocol import Data, Hello, Telemetry, Verdict, parse, unseal
 from .state_tracker import StateTracker
 
 MOST_UNREAD = 15_000  # frames: five minutes
-LATE_GREETING_S = 0.5  # after a session opened, a greeting may still answer an earlier asking
-_STATUS = re.compile(r"state=([a-z]+) .*\bboot=(\d{1,5})\b", re.ASCII)
-CHANGES_CADENCE = ("set every ", "set silence ", "load", "defaults")
 
 
 @dataclass
@@ -140,7 +137,8 @@ class Inbox:
 
     def _was_asked_for(self, host_s: float) -> bool:
         by_hand = self.pending is not None and self.pending.text.strip() == "hello"
-        return by_hand or host_s <= self._session_s + LATE_GREETING_S
+        # Soon after a session opened, a greeting may still answer an earlier asking.
+        return by_hand or host_s <= self._session_s + 0.5
 
     def _take_verdict(self, verdict: Verdict) -> None:
         pending = self.pending
@@ -149,13 +147,15 @@ class Inbox:
         if verdict.number == pending.number:
             pending.verdict = verdict
             self.states.answered(pending.text, verdict.accepted)
-            if verdict.accepted and " ".join(pending.text.split()).startswith(CHANGES_CADENCE):
+            cadence = "set every ", "set silence ", "load", "defaults"  # commands that change it
+            if verdict.accepted and " ".join(pending.text.split()).startswith(cadence):
                 self.expect(None)
         elif verdict.mark == "?":
             pending.damaged = True
 
     def _take_data(self, data: Data) -> None:
-        status = _STATUS.match(data.text) if data.word == "status" else None
+        pattern = r"state=([a-z]+) .*\bboot=(\d{1,5})\b"
+        status = re.match(pattern, data.text, re.ASCII) if data.word == "status" else None
         if status:
             self.states.hear(status[1])
         if status and self.in_session and self.hello and int(status[2]) != self.hello.boot:

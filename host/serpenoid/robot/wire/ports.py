@@ -12,10 +12,6 @@ from ...base.errors import PortMissing
 if TYPE_CHECKING:
     from serial.tools.list_ports_common import ListPortInfo
 
-# USB vendors of these boards and of the serial chips on their copies.
-BOARD_VENDORS = {0x2341: "Arduino", 0x2A03: "Arduino", 0x1A86: "CH340", 0x0403: "FTDI"}
-PRIVILEGED = ("root", "wheel", "admin", "sudo", "shadow", "disk")
-
 
 def serial_ports() -> list[ListPortInfo]:
     """List the serial ports of this computer, by name; vid and pid are None unless it is USB."""
@@ -26,7 +22,9 @@ def serial_ports() -> list[ListPortInfo]:
 
 def board_chip(port: ListPortInfo) -> str | None:
     """Name the maker of a likely board's USB chip."""
-    return BOARD_VENDORS.get(port.vid)
+    # USB vendors of the boards and of the serial chips on their copies.
+    makers = {0x2341: "Arduino", 0x2A03: "Arduino", 0x1A86: "CH340", 0x0403: "FTDI"}
+    return makers.get(port.vid)
 
 
 def find_port() -> str:
@@ -88,7 +86,8 @@ def why_held(port: str, error: object) -> str:
 def why_forbidden(port: str) -> str:
     """Say which group may open the port and how to join it."""
     group = system.group_of(port) or "dialout"
-    if group in PRIVILEGED:  # joining these would give away the whole computer
+    # Joining one of these would give away the whole computer.
+    if group in ("root", "wheel", "admin", "sudo", "shadow", "disk"):
         return (
             f"this user may not open {port}, which belongs to {group} alone: give the port to "
             'dialout with a udev rule (KERNEL=="ttyACM*", GROUP="dialout"), join that group '

@@ -17,21 +17,6 @@ FEWEST_JOINTS, MOST_JOINTS = 2, 12
 LEAST_FRAME_US, MOST_FRAME_US = 3_000, 32_500  # time between frames
 LONGEST_LINE = 400  # bytes, from a board of twelve joints and some to spare
 STATES = ("idle", "pose", "gait", "hold", "safing", "safe")
-_COUNT = r"(\d{1,10})"
-_TELEMETRY = re.compile(
-    rf"t:{_COUNT}(?P<joints>(?: j\d{{1,2}}:-?\d{{1,3}}\.\d\d){{2,12}}) board_us={_COUNT}"
-    rf" ph=(\d{{1,3}}\.\d{{3}}) p=(?P<pulses>\d{{1,5}}(?:,\d{{1,5}}){{1,11}}) exec_us={_COUNT}"
-    rf" late_us={_COUNT} clipped=(\d{{1,2}}) st=([a-z]+)"
-    r"(?: sensor=(-?\d{1,5}))?",
-    re.ASCII,
-)
-_VERDICT = re.compile(r"(ok|err): #(\d{1,5}|[-!?])(?: ([a-z].*))?", re.ASCII)
-_HELLO = re.compile(
-    r"hello: serpenoid fw=(\S+) protocol=(\d{1,5}) board=(\S+) joints=(\d{1,2})"
-    r" frame_us=(\d{1,5}) boot=(\d{1,5}) reset=(\S+) settings=(\S+)"
-    r" silence=(off|\d{1,4}(?:\.\d{1,6})?)",
-    re.ASCII,
-)
 
 
 def line_limit(joints: int) -> int:
@@ -149,16 +134,21 @@ def parse(line: bytes) -> Message:
     return _hello(body) if word == "hello" else Data(word, text.strip())
 
 
-def _matched(pattern: re.Pattern[str], body: str) -> tuple[str, ...]:
-    match = pattern.fullmatch(body)
+def _matched(pattern: str, body: str) -> tuple[str, ...]:
+    match = re.fullmatch(pattern, body, re.ASCII)
     if not match:
         raise DamagedLine(f"{body!r} is not in the form of protocol {PROTOCOL}")
     return tuple(field or "" for field in match.groups())
 
 
 def _telemetry(body: str) -> Telemetry:
+    pattern = (
+        r"t:(\d{1,10})((?: j\d{1,2}:-?\d{1,3}\.\d\d){2,12}) board_us=(\d{1,10})"
+        r" ph=(\d{1,3}\.\d{3}) p=(\d{1,5}(?:,\d{1,5}){1,11}) exec_us=(\d{1,10})"
+        r" late_us=(\d{1,10}) clipped=(\d{1,2}) st=([a-z]+)(?: sensor=(-?\d{1,5}))?"
+    )
     frame, joints, board_us, phase, pulses, exec_us, late_us, clipped, state, sensor = _matched(
-        _TELEMETRY, body
+        pattern, body
     )
     if state not in STATES:
         raise DamagedLine(f"state is {state!r}; protocol {PROTOCOL} has {', '.join(STATES)}")
@@ -181,7 +171,7 @@ def _telemetry(body: str) -> Telemetry:
 
 
 def _verdict(body: str) -> Verdict:
-    kind, mark, text = _matched(_VERDICT, body)
+    kind, mark, text = _matched(r"(ok|err): #(\d{1,5}|[-!?])(?: ([a-z].*))?", body)
     words = text.split()
     error = words.pop(0) if kind == "err" and words else ""
     if (kind == "err") != bool(error):
@@ -199,8 +189,13 @@ def refused(text: str, error: str, detail: str = "") -> CommandRefused:
 
 
 def _hello(body: str) -> Hello:
+    pattern = (
+        r"hello: serpenoid fw=(\S+) protocol=(\d{1,5}) board=(\S+) joints=(\d{1,2})"
+        r" frame_us=(\d{1,5}) boot=(\d{1,5}) reset=(\S+) settings=(\S+)"
+        r" silence=(off|\d{1,4}(?:\.\d{1,6})?)"
+    )
     version, protocol, board, joints, frame_us, boot, reset, settings, silence = _matched(
-        _HELLO, body
+        pattern, body
     )
     silence_s = 0.0 if silence == "off" else float(silence)
     return Hello(

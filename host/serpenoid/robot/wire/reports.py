@@ -64,11 +64,12 @@ def status_of(data: list[Data]) -> Status:
     """Return the status in the three lines that answer `status`; raise DamagedLine."""
     with damage_named("the board's status"):
         values = _values(" ".join(line.text for line in data))
+        counts = Status.__dataclass_fields__.keys() - {"state", "moving", "stack_bytes"}
         return Status(
             state=values["state"],
             moving=values["moving"] == "1",
             stack_bytes=count_in("stack", values["stack"]),
-            **{name: count_in(name, values[name]) for name in _COUNTS},
+            **{name: count_in(name, values[name]) for name in counts},
         )
 
 
@@ -87,9 +88,6 @@ def trims_of(data: list[Data], joints: int) -> tuple[Trim, ...]:
     if [t.joint for t in trims] != list(range(1, joints + 1)):
         raise DamagedLine(f"the board listed the trims of joints {[t.joint for t in trims]}")
     return tuple(trims)
-
-
-_COUNTS = [n for n in Status.__dataclass_fields__ if n not in ("state", "moving", "stack_bytes")]
 
 
 def _trim(text: str) -> Trim:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from ...base.errors import RobotError, RobotUnattended, StateUnasked
 
-LEADS_TO = {"gait": "gait", "pose": "pose", "idle": "idle"}
 STOPPED = frozenset({"hold", "idle"})  # a stop does nothing to servos that are limp
 RESTING = frozenset({"hold", "idle", "safe"})
-SAFE = frozenset({"safing", "safe", "idle"})  # the way that silence leads
 
 
 class StateTracker:
@@ -62,7 +60,7 @@ class StateTracker:
         if state in expected if expected is not None else not by_silence:
             return None
         if by_silence or state in ("safing", "safe"):
-            self._states = SAFE
+            self._states = frozenset({"safing", "safe", "idle"})  # The way that silence leads.
             return RobotUnattended(
                 "the board heard nothing from this program for its silence time and went to its "
                 "safe pose; was the program or the computer asleep?"
@@ -80,4 +78,4 @@ class StateTracker:
         if word in ("stop", "!"):
             limp = self._states is None or "idle" in self._states
             return STOPPED if limp else STOPPED - {"idle"}
-        return frozenset({LEADS_TO[word]} if word in LEADS_TO else ())
+        return frozenset({word} & {"gait", "pose", "idle"})
