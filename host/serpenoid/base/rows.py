@@ -39,11 +39,16 @@ class Row(NamedTuple):
 
     @property
     def cells(self) -> list[str]:
-        """Return name with unit, value with its standard deviation, and interval."""
+        """Return name with unit, value with its standard deviation, and interval.
+
+        Two digits of a standard deviation count, and the value ends at the second one.
+        """
         value = "–" if math.isnan(self.value) else f"{self.value:.4g}"
-        sigma = "" if math.isnan(self.sigma) else f" ± {self.sigma:.2g}"
+        if self.sigma > 0.0:
+            decimals = max(1 - int(f"{self.sigma:.1e}".partition("e")[2]), 0)
+            value = f"{self.value:.{decimals}f} ± {self.sigma:.{decimals}f}"
         name = f"{self.name}, {self.unit}" if self.unit else self.name
-        return [name, self.words or value + sigma, self.interval]
+        return [name, self.words or value, self.interval]
 
 
 def detail(name: str, unit: str, value: float = math.nan, words: str = "") -> Row:

@@ -210,7 +210,7 @@ class FrictionFit(Plottable):
         return tuple(ground_of(self.robot.links, sample) for sample in samples)
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{r.name} {r.value:.4g} ± {r.sigma:.2g} {r.unit}" for r in self.rows())
+        values = ", ".join(f"{r.name} {r.cells[1]} {r.unit}" for r in self.rows())
         return f"<FrictionFit {self.session_name!r}, {self.method}: {values}>"
 
     def in_words(self) -> str:
