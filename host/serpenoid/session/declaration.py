@@ -18,7 +18,7 @@ from ..model.gait import Gait
 T = TypeVar("T", bound="SettingsTable")
 Cells = Mapping[str, str | float]
 Values = dict[str, float | str]
-Range = tuple[float, float]  # that a number is expected in
+Range = tuple[float, float]  # Ends of the range in which a number is expected.
 Units = dict[str, float]
 LENGTH_UNITS: Units = {
     "m": 1.0,

@@ -32,7 +32,7 @@ from ..session.settings import Plan, Setup
 from ..session.station import MIN_SLIP_M_S, BeltCheck, BendCheck, Reading, ZeroReading
 from ..session.track import EXAMPLE, Samples
 
-MAX_INCLINE_DEG = 12.0  # incline above which the snake starts to tumble, or the wheels to slide
+TUMBLING_DEG = 12.0  # Largest incline that is planned; above it the snake may tumble or slide.
 
 
 class Tracked(dict[str, "float | str"]):
@@ -281,7 +281,7 @@ def next_incline_deg(session: Session, bend_deg: float) -> float | None:
         next_m_s = _speed_on(line, next_deg)
     done_share = 0.85  # share of the top speed that ends a bend, as a station beyond 1 / 0.85 would
     done = max(fastest_m_s, done_share**2 * next_m_s) > done_share * top_m_s
-    return None if done or next_deg > MAX_INCLINE_DEG else round(next_deg, 3)
+    return None if done or next_deg > TUMBLING_DEG else round(next_deg, 3)
 
 
 def _station_key(bend_deg: float) -> str:
@@ -302,7 +302,7 @@ def _first_incline_deg(session: Session, bend_deg: float) -> float:
         ]
         if lesser_deg < bend_deg and inclines_deg:
             inclines.append(factor * min(inclines_deg))
-    return round(min(max(inclines), MAX_INCLINE_DEG), 3)
+    return round(min(max(inclines), TUMBLING_DEG), 3)
 
 
 def expected_speed(session: Session, bend_deg: float, incline_deg: float) -> Range | None:
@@ -365,7 +365,7 @@ def _station(session: Session, bend_deg: float) -> Step | None:
         )
     # A misread first station leads its whole bend astray: straight, a far one is asked about.
     far_deg = 2 * plan.incline_step_deg
-    high_deg = MAX_INCLINE_DEG if first and bend_deg else incline_deg + far_deg
+    high_deg = TUMBLING_DEG if first and bend_deg else incline_deg + far_deg
     incline, *fields = Reading.questions("incline_deg", "belt_speed_m_s", "drift_m_s", "turned_deg")
     return Step(
         f"{_station_key(bend_deg)}{incline_deg:.2f} deg",
