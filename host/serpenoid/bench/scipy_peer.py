@@ -1,10 +1,10 @@
-"""SciPy's solve_ivp on both models in plain NumPy: what a user has without this package.
+"""Both models in plain NumPy for SciPy's solve_ivp, as users would solve them without this package.
 
-State: x, y, vx, vy of link 1, or of all links if their joints are springs (n values each), then
-theta and its rate of link 1. The exact model is Newton's law of all links, projected on the three
-free coordinates by dense matrices; the core sums over the links instead. Places, velocities and
-forces are complex numbers, x + i y. Dry friction: the sign is smoothed, v / sqrt(v^2 + width^2),
-since solve_ivp wants a continuous right-hand side.
+The state is x, y, vx, vy of link 1, or of all links if joints are springs (n values each), then
+angle and rate of link 1. The exact model is Newton's law of all links, projected on the three free
+coordinates by dense matrices; the core sums over the links instead. Positions, velocities and
+forces are complex numbers, x + i y. The sign of dry friction is smoothed to v / sqrt(v^2 +
+width^2), since solve_ivp needs a continuous right-hand side.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ Complex = NDArray[np.complex128]
 
 
 def equations(problem: Problem, width_m_s: float = 0.0) -> Rate:
-    """Return y' = f(t, y) of a problem; width_m_s: of the smoothed sign, 0: none."""
+    """Return f of y' = f(t, y) for a problem; width_m_s: width of the smoothed sign, 0 for none."""
     scene = problem.scene
     robot, ground, gait = scene.robot, scene.ground, scene.gait
     n, mass, inertia = robot.links, robot.link_mass_kg, robot.inertia_kg_m2
     half = robot.link_length_m / 2
-    # Centres of all links = that of link 1 + arms @ directions: half of the first and of the last
-    # link on the way, all of those between.
+    # The centres of all links are that of link 1 plus arms @ directions: half of link 1, half of
+    # the link itself, and each link between.
     arms = half * (np.tri(n) + np.tri(n, k=-1))
     arms[:, 0] = half * (np.arange(n) > 0)
     arms[0] = 0.0
 
     def shape(t: float, theta: float, omega: float) -> tuple[Complex, Array, Array]:
-        """Return directions of all links, their rates, and accelerations but for link 1's."""
+        """Return the links' directions, rates, and angular accelerations relative to link 1."""
         angle, rate, turns = (
             np.append(0.0, part.cumsum()) for part in joint_motion(gait, n - 1, t)
         )
@@ -55,7 +55,7 @@ def equations(problem: Problem, width_m_s: float = 0.0) -> Rate:
         direction, rates, turns = shape(t, y[-2], y[-1])
         by_theta = arms @ (1j * direction)
         velocity = y[2] + 1j * y[3] + arms @ (1j * rates * direction)
-        drift = arms @ ((1j * turns - rates**2) * direction)  # acceleration while link 1's is 0
+        drift = arms @ ((1j * turns - rates**2) * direction)  # Accelerations if link 1 had none.
         force = friction(direction, velocity) - mass * drift
         columns = np.stack([np.ones(n), 1j * np.ones(n), by_theta])  # x, y and theta of link 1
         masses = mass * (columns.conj() @ columns.T).real
@@ -83,7 +83,7 @@ def equations(problem: Problem, width_m_s: float = 0.0) -> Rate:
 
 
 def solve(problem: Problem, method: str, tolerance: float, width_m_s: float = 0.0) -> Array:
-    """Return the end state by a method of solve_ivp; raises ArithmeticError where it fails."""
+    """Return the end state by a method of solve_ivp; raises ArithmeticError if it fails."""
     from scipy.integrate import solve_ivp
 
     solution = solve_ivp(

@@ -1,17 +1,17 @@
-"""What a bend does to friction, and which readings share a bend's error.
+"""The friction of a bent robot, and the errors of bends that readings share.
 
-Straightness. A link that stands delta off its path slips across it, however slowly, so that dry
-friction across drags it back with fn0 / n |sin delta|: always in the same sense, and to first
-order. With joints off by independent errors of sigma, the links' angles are their sums; the robot
-is steered, so that its mean heading and its mean curvature are taken off. What is left has the
-covariance S, and the mean of |delta| over the links is a sigma on average and scatters by b sigma:
+A link at an angle delta to its path slips across it, however slowly, so that dry friction across
+adds the drag fn0 / n |sin delta|, which is of first order in delta. If the joints have independent
+errors of sigma, the links' angles are sums of these; steering removes the mean heading and the
+mean curvature. The remaining angles have the covariance S. The mean of |delta| over the links has
+the expectation a sigma and the standard deviation b sigma:
 
     a = sqrt(2/pi) mean(s_i),   b^2 = (2/pi) / n^2 sum s_i s_j (sqrt(1 - rho^2) + rho asin rho - 1),
 
-s_i^2 = S_ii, rho = S_ij / (s_i s_j). Links that are bent by more than delta gain on one side what
-they lose on the other: to first order their dry friction does not tell where the robot heads. So in
-a bend it is the straight links alone that heading and curvature follow; two of them lie along the
-path exactly, and only where there are three is something left.
+with s_i^2 = S_ii and rho = S_ij / (s_i s_j). Links bent by more than delta gain on one side what
+they lose on the other, so that to first order their dry friction does not depend on delta. In a
+bend only the straight links count therefore. Steering aligns two of them with the path exactly, so
+that a and b are 0 unless there are three.
 """
 
 from __future__ import annotations
@@ -27,24 +27,24 @@ from ..session.session import Session
 from ..session.station import Reading
 from .parameters import FRICTIONS, Floats, Integers, Parameter, Values
 
-# Assumed correlation between the setting errors of two bends. They are set one by one, but by the
-# same protractor and servos. Taken for independent (0), cn's interval covers 90 % if they are all
-# the same; taken for half the same, 90 % if they are independent. 0.25 covers 93 to 97 % of either.
+# Assumed correlation between the setting errors of two bends, which are set separately, but with
+# the same protractor and servos. With 0, cn's 95 % interval covers 90 % if the errors are in fact
+# equal; with 0.5, 90 % if they are independent. With 0.25 it covers 93 to 97 % in both cases.
 CORRELATION = 0.25
 BEND_ERROR, COMMON_ERROR = "lambda_offset_rad_at_", "common error of bends"
 STRAIGHTNESS = "straight links' mean angle"
-STEERED_LINKS = 2  # straight ones lie along any path that is steered
-SAME_BEND_RAD = math.radians(1e-3)  # between two bends written down with four decimals
+STEERED_LINKS = 2  # Straight links that steering aligns with the path exactly.
+SAME_BEND_RAD = math.radians(1e-3)  # Difference of one bend written with four decimals.
 
 
 @dataclass(frozen=True)
 class Bends:
     """The bends of N readings.
 
-    lambda_rad, share (of the links that are bent, 0 where straight), posture (which of the bends,
-    -1: straight): (N,). off_rad: mean and standard deviation of the straight links' mean |angle| to
-    the path, times their share of all links, (2, N). angle_rad: of each bend, as set. errors: a
-    parameter for each bend, rad.
+    lambda_rad: (N,). share: share of the links that are bent, (N,). posture: index of each
+    reading's bend, -1 if straight, (N,). off_rad: mean and standard deviation of the straight
+    links' mean |angle| to the path, times their share of all links, (2, N). angle_rad: the angle of
+    each bend. errors: the parameter of each bend's error, rad.
     """
 
     lambda_rad: Floats
@@ -58,7 +58,7 @@ class Bends:
     def from_session(
         cls, session: Session, readings: Sequence[Reading | Push], where: str = ""
     ) -> Bends:
-        """Take the bends of some of a session's readings; where: ends the names of their errors."""
+        """Return the bends of readings of a session; where: suffix of the names of their errors."""
         instruments, links = session.setup.instruments, session.setup.robot.links
         share = np.array([session.bent_share(r) for r in readings], dtype=float)
         bent = np.round(share * links).astype(int).tolist()
@@ -76,7 +76,7 @@ class Bends:
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Return each bend's error, and what straight links have in common where it is open."""
+        """Return the bends' errors, their common part, and the straight links' mean angle."""
         common = (Parameter(COMMON_ERROR, sigma=1.0),) if len(self.errors) > 1 else ()
         mean, sigma = self.off_rad
         unsure = sigma > 0.0
@@ -97,16 +97,17 @@ class Bends:
         if not self.errors:
             return self.lambda_rad[None]
         errors = [values[error.name] for error in self.errors]
-        errors.append(np.zeros_like(errors[0]))  # error of straight readings, whose posture is -1
+        errors.append(np.zeros_like(errors[0]))  # Straight readings, of posture -1, have no error.
         return np.asarray(self.lambda_rad + np.stack(errors, axis=1)[:, self.posture])
 
 
 def projections(
     bent_share: Floats | float, angle_rad: Floats | float
 ) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return what ct, cn, ft0 and fn0 count in A and B, where friction along the belt is A v + B.
+    """Return the factors of ct and cn in A, and of ft0 and fn0 in B.
 
-    With a share q of the links bent by lambda and the rest straight,
+    A v + B is the friction along the belt. With a share q of the links bent by lambda and the rest
+    straight,
     A = ct (1 - q sin^2) + cn q sin^2 and B = ft0 (1 - q + q cos) + fn0 q sin.
     """
     q, cos, sin = np.asarray(bent_share, dtype=float), np.cos(angle_rad), np.sin(angle_rad)
@@ -124,10 +125,10 @@ def resistance(
     angle_rad: Floats | float,
     astray_rad: Floats | float = 0.0,
 ) -> tuple[Floats, Floats]:
-    """Return A, N s/m, and B, N, of friction A v + B along the way, whole snake, each (..., N).
+    """Return A, N s/m, and B, N, of the whole snake's friction A v + B along its path, (..., N).
 
-    whole: (..., 4) frictions in the order of FRICTIONS. astray_rad: the straight links' mean
-    |angle| to the way, times their share.
+    frictions: (..., 4), in the order of FRICTIONS. astray_rad: the straight links' mean |angle| to
+    the path, times their share.
     """
     ct, cn, ft0, fn0 = np.moveaxis(frictions, -1, 0)[..., None]
     by_ct, by_cn, by_ft0, by_fn0 = projections(bent_share, angle_rad)
@@ -135,10 +136,9 @@ def resistance(
 
 
 def straightness_factors(links: int, bent: int = 0) -> tuple[float, float]:
-    """Return a and b: mean and scatter of the straight links' mean |delta|, per sigma of a joint.
+    """Return a and b: mean and standard deviation of the straight links' mean |delta| over sigma.
 
-    links: number of links. bent: how many of them are bent, evenly many at either end. Two straight
-    links lie along any path that is steered: 0 and 0.
+    links: number of links. bent: number of bent links, half of them at either end.
     """
     straight = links - bent
     if straight <= STEERED_LINKS:
@@ -158,15 +158,16 @@ def straightness_factors(links: int, bent: int = 0) -> tuple[float, float]:
 def _postures(
     session: Session, readings: Sequence[Reading | Push], sigma_rad: float
 ) -> tuple[Integers, tuple[float, ...]]:
-    """Return which posture each reading was taken in (-1: straight), and the postures' angles.
+    """Return the index of each reading's posture (-1: straight), and the postures' angles, rad.
 
-    Bends set by one protractor check are one posture. So are bends without a check that differ by
-    less than a standard deviation of the bend: they were set once, and share its error.
+    A posture is a bend that was set once, so that its readings share the error. Bends set by one
+    protractor check are one posture, and so are bends without a check that differ by less than
+    sigma_rad.
     """
     checks = session.kept_of("bend")
 
     def check_of(reading: Reading | Push) -> int:
-        """Return the last check of this bend before the reading; -1 where there is none."""
+        """Return the index of the last check of this bend before the reading; -1 if none."""
         matching = [
             k
             for k, check in enumerate(checks)

@@ -1,4 +1,4 @@
-"""What a robot's joints and servos can do, and which of these limits a gait has reached."""
+"""Limits of a robot's joints and servos, and how near a gait is to them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..periodic.steady import Steady, speed_floor_m_s, state_near
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 
-# Limits in words, with the units of those that stand in a message.
+# Attribute of GaitLimits -> its name and unit in messages; "" if messages leave it out.
 LIMITS = {
     "joint_angle_rad": ("joint angle", "deg"),
     "servo_speed_rad_s": ("servo speed", "deg/s"),
@@ -28,18 +28,18 @@ LIMITS = {
     "omega_low_rad_s": ("lowest rate", "rad/s"),
     "kept_speed_share": ("speed kept", ""),
 }
-REACHED = 2e-3  # Relative distance from a limit within which it counts as reached.
-LESS_AMPLITUDE, LESS_FRICTION = 0.10, 0.20  # Losses that a gait which is to be driven must bear.
+REACHED = 2e-3  # Relative distance from a limit below which it counts as reached.
+LESS_AMPLITUDE, LESS_FRICTION = 0.10, 0.20  # Relative reductions by which losses are defined.
 
 
 @dataclass(frozen=True, slots=True)
 class GaitLimits:
-    """State what a gait may ask of the robot; infinite where there is no limit.
+    """The limits that a gait must keep; infinite where there is none.
 
     Attributes
     ----------
     joint_angle_rad
-        Limit of every joint's angle, either way, rad; by default 110 deg, where links touch.
+        Limit of every joint's angle to either side, rad; by default 110 deg, where links touch.
     servo_speed_rad_s
         Limit of alpha omega, rad/s.
     servo_torque_nm
@@ -49,14 +49,14 @@ class GaitLimits:
     omega_high_rad_s
         Highest rate of the gait, rad/s.
     kept_speed_share
-        Share of the speed that is left when the amplitude is 10 % less, and when friction across
-        the links is 20 % less, 0 to 0.99. Where no gait keeps it, the search takes one that keeps
-        most.
+        Smallest share of the speed that must remain with 10 % less amplitude, and with 20 % less
+        friction across the links, 0 to 0.99. If no gait keeps it, the search returns the one that
+        keeps most.
 
     Raises
     ------
     BadInput
-        For values out of range.
+        If a value is out of range.
 
     Examples
     --------
@@ -79,7 +79,7 @@ class GaitLimits:
         check_number("joint_angle_rad", self.joint_angle_rad, 0.0, math.pi, open_low=True)
         for name, low in (
             ("servo_torque_nm", 0.0),
-            ("servo_speed_rad_s", 1e-5),  # a period of a week; slower states take minutes
+            ("servo_speed_rad_s", 1e-5),  # A period of a week; slower gaits take minutes to solve.
             ("omega_high_rad_s", 1e-5),
         ):
             limit = getattr(self, name)
@@ -89,7 +89,7 @@ class GaitLimits:
         check_number("omega_low_rad_s", self.omega_low_rad_s, 0.0, self.omega_high_rad_s)
 
     def margins(self, gait: Gait, torque_nm: float = 0.0) -> dict[str, float]:
-        """Return by how many e-folds a gait, or torque in N m, is below each limit."""
+        """Return log(limit / value) of a gait and its peak torque, N m, for each finite limit."""
         bend, rate = abs(gait.offset_rad) + gait.alpha_rad, gait.omega_rad_s
         used = {
             "joint_angle_rad": (bend, self.joint_angle_rad),
@@ -107,9 +107,10 @@ class GaitLimits:
     def active(
         self, gait: Gait, torque_nm: float = 0.0, speed_share: float = 1.0
     ) -> tuple[str, ...]:
-        """Return in words the limits that a gait has reached.
+        """Return the names of the limits that a gait has reached.
 
-        torque_nm: its peak torque, N m. speed_share: what it keeps, as kept_speed_share.
+        torque_nm: its peak torque, N m. speed_share: share of the speed that it keeps, defined as
+        for kept_speed_share.
         """
         margins = self.margins(gait, torque_nm)
         names = [name for name, margin in margins.items() if margin <= REACHED]
@@ -118,7 +119,7 @@ class GaitLimits:
         return tuple(LIMITS[name][0] for name in names)
 
     def in_words(self) -> str:
-        """Return the limits there are, with their units; angles in degrees."""
+        """Return the finite limits in words, with their units, angles in degrees."""
         parts = []
         for name, (words, unit) in LIMITS.items():
             limit = getattr(self, name)
@@ -143,21 +144,21 @@ def peak_torque_nm(robot: Robot, ground: Ground, gait: Gait) -> float:
     )
     try:
         run = simulate(scene)
-    except StepTooLarge:  # a gait so slow that friction holds it: steps are not what limits it
+    except StepTooLarge:  # A gait so slow that friction nearly holds it is stiff.
         run = simulate(replace(scene, method="nonsmooth"))
     return float(np.abs(run.joint_torque_nm).max())
 
 
 @dataclass(frozen=True, slots=True)
 class SpeedLosses(Result):
-    """Hold the shares of a gait's speed that smaller joints or less friction cost; NaN at rest.
+    """The shares of its speed that a gait loses with less amplitude or friction; NaN at rest.
 
     Attributes
     ----------
     amplitude
-        Share of the speed that is lost when the joints' amplitude is 10 % less.
+        Share of the speed that is lost with 10 % less amplitude of the joints.
     friction
-        Share that is lost when friction across the links (cn and fn0) is 20 % less.
+        Share that is lost with 20 % less friction across the links (cn and fn0).
 
     Examples
     --------
@@ -173,11 +174,11 @@ class SpeedLosses(Result):
 
     @property
     def worst(self) -> float:
-        """Return the greater of both; NaN for a gait that does not travel."""
+        """Return the larger share; NaN for a gait that does not travel."""
         return max(self.amplitude, self.friction)
 
     def in_words(self) -> str:
-        """Return the greater loss and what causes it, e.g. '12 % of its speed with ...'."""
+        """Return the larger loss with its cause, e.g. '12 % of its speed with ...'."""
         cause = f"{100 * LESS_AMPLITUDE:.0f} % less amplitude"
         if self.friction > self.amplitude:
             cause = f"{100 * LESS_FRICTION:.0f} % less friction across"
@@ -185,7 +186,7 @@ class SpeedLosses(Result):
 
     @property
     def warning(self) -> str:
-        """Return what a user must know of a gait at a sharp drop of speed, or nothing."""
+        """Return a warning if the gait loses more than a quarter of its speed, else ""."""
         if math.isnan(self.worst):
             return "this gait does not travel: there is no speed to lose"
         sharp_drop = 0.25
@@ -194,7 +195,7 @@ class SpeedLosses(Result):
         return f"this gait stands at a sharp drop of speed: it loses {self.in_words()}"
 
     def rows(self) -> list[Row]:
-        """Return both losses; nothing for a gait at rest."""
+        """Return both losses, %; none for a gait at rest."""
         parts = {
             "speed lost with 10 % less amplitude": self.amplitude,
             "speed lost with 20 % less friction across": self.friction,
@@ -207,26 +208,26 @@ class SpeedLosses(Result):
 
 
 def speed_losses(robot: Robot, ground: Ground, gait: Gait) -> SpeedLosses:
-    """Return the shares of speed that a gait loses with smaller joints and with less friction.
+    """Return the shares of its speed that a gait loses with less amplitude and less friction.
 
     Parameters
     ----------
     robot
-        What crawls.
+        The robot.
     ground
-        Friction of what it crawls on.
+        Friction of the ground on a link.
     gait
-        How its joints move.
+        Motion of the joints.
 
     Returns
     -------
     SpeedLosses
-        With 10 % less amplitude, and with 20 % less friction across the links.
+        The losses with 10 % less amplitude, and with 20 % less friction across the links.
 
     Raises
     ------
     BadInput
-        For arguments of a wrong kind.
+        If an argument is of the wrong type.
 
     Examples
     --------
@@ -244,9 +245,9 @@ def speed_losses(robot: Robot, ground: Ground, gait: Gait) -> SpeedLosses:
 def speed_shares(
     robot: Robot, ground: Ground, gait: Gait, *, rtol: float = 1e-5, state: Steady | None = None
 ) -> tuple[float, float]:
-    """Return the shares of speed left with 10 % less amplitude, and 20 % less friction across.
+    """Return the shares of the speed kept with 10 % less amplitude, and 20 % less friction across.
 
-    NaN for a gait that does not travel. near: its own state, if that is known.
+    They are NaN for a gait that does not travel. state: its periodic state, if it is known.
     """
     weak = replace(gait, alpha_rad=(1 - LESS_AMPLITUDE) * gait.alpha_rad)
     share = 1 - LESS_FRICTION
@@ -254,8 +255,8 @@ def speed_shares(
     full = state or state_near(robot, ground, gait, rtol=rtol, powers=False, start=None)
     start = None if ground.smooth else full
     speeds = [
-        state_near(robot, on, how, rtol=rtol, powers=False, start=start).speed_m_s
-        for on, how in ((ground, weak), (slippery, gait))
+        state_near(robot, *changed, rtol=rtol, powers=False, start=start).speed_m_s
+        for changed in ((ground, weak), (slippery, gait))
     ]
     if full.speed_m_s <= speed_floor_m_s(robot, gait.omega_rad_s):
         return math.nan, math.nan

@@ -1,4 +1,4 @@
-"""Bytes to and from a board over the serial port. Only this file opens one."""
+"""Read and write bytes of a board; the only module that opens serial ports."""
 
 from __future__ import annotations
 
@@ -14,37 +14,40 @@ from .ports import find_port, missing, port_names, why_forbidden, why_held
 if TYPE_CHECKING:
     import serial
 
-BAUD = 250_000
+BAUD = 250_000  # Baud rate of the firmware, bit/s.
 
 
 class Link(Protocol):
-    """What a Robot needs of a wire, real or virtual; its errors are RobotError."""
+    """A connection to a board, real or virtual; its errors are RobotError.
+
+    lockstep: whether time passes only in read(), so that a caller never waits.
+    """
 
     name: str
-    lockstep: bool  # time passes only in read(), so that there is nothing to wait for
+    lockstep: bool
 
     def now_s(self) -> float:
-        """Return the host's clock for this wire, in seconds from an arbitrary start."""
+        """Return the time by the host's clock for this link, s, from an arbitrary start."""
         ...
 
     def read(self, timeout_s: float) -> bytes:
-        """Return what has come, after at most timeout_s; raise RobotLost if the wire broke."""
+        """Return the bytes that came within timeout_s; raises RobotLost if the link broke."""
         ...
 
     def write(self, data: bytes) -> None:
-        """Send all bytes; callable from any thread and from a signal handler."""
+        """Send all bytes; may be called from any thread and from a signal handler."""
         ...
 
     def close(self) -> None:
-        """Give the port back; harmless when done twice."""
+        """Close the port; a second call does nothing."""
         ...
 
 
 def open_link(port: str | Link | None) -> Link:
-    """Open a port by name, or a virtual board; None finds the board by its USB id.
+    """Return a link to a port, or to a virtual board; None finds the board by its USB id.
 
-    A link is taken as it is. Raises PortMissing or PortBusy, which name the likely cause and its
-    cure; BadInput.
+    An open link is returned as it is. Raises BadInput, and PortMissing or PortBusy with the likely
+    cause and what to do.
     """
     if not (port is None or isinstance(port, str)):
         return port
@@ -56,31 +59,31 @@ def open_link(port: str | Link | None) -> Link:
 
 
 class SerialLink:
-    """A board on a serial port, taken for this program alone; opening resets most boards."""
+    """A board on a serial port that no other program may open. Opening resets most boards."""
 
     lockstep = False
 
     def __init__(self, port: str):
         self.name = port
         self._port = _open(port)
-        self._writing = threading.RLock()  # a signal handler may write amid a write
+        self._writing = threading.RLock()  # A signal handler may interrupt a write and write too.
 
     def now_s(self) -> float:
-        """Return the monotonic clock, which follows the network's time but never jumps."""
+        """Return the time of the monotonic clock, s, which is disciplined but never jumps."""
         return time.monotonic()
 
     def read(self, timeout_s: float) -> bytes:
-        """Return the bytes that have come, waiting up to timeout_s for the first."""
+        """Return the received bytes after waiting up to timeout_s for the first one."""
         try:
-            if timeout_s != self._port.timeout:  # each setting sets the baud rate anew
+            if timeout_s != self._port.timeout:  # Each change sets the baud rate anew.
                 self._port.timeout = timeout_s
             first = self._port.read(1)
             return first + self._port.read(self._port.in_waiting) if first else b""
-        except OSError as error:  # pyserial's own error is one
+        except OSError as error:  # The errors of pyserial are OSErrors.
             raise self._lost(error) from error
 
     def write(self, data: bytes) -> None:
-        """Send all bytes, or raise RobotLost."""
+        """Send all bytes; raises RobotLost."""
         try:
             with self._writing:
                 self._port.write(data)
@@ -88,7 +91,7 @@ class SerialLink:
             raise self._lost(error) from error
 
     def close(self) -> None:
-        """Give the port back."""
+        """Close the port, which other programs may then open."""
         if self._port.is_open:
             system.exclude_others(self._port, False)
         self._port.close()
@@ -107,12 +110,12 @@ def _open(port: str) -> serial.Serial:
         opened = serial.Serial(port, BAUD, exclusive=True, write_timeout=1.0)
     except OSError as error:
         raise _refused(port, error) from error
-    system.exclude_others(opened, True)  # pyserial's lock is heeded only by programs that lock too
+    system.exclude_others(opened, True)  # Only programs that lock too respect pyserial's lock.
     return opened
 
 
 def _refused(port: str, error: OSError) -> PortBusy | PortMissing:
-    text = str(error) if system.WINDOWS else ""  # there pyserial keeps no number
+    text = str(error) if system.WINDOWS else ""  # On Windows pyserial keeps no error number.
     if error.errno in (errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK) or "PermissionError" in text:
         return PortBusy(why_held(port, error))
     if error.errno in (errno.EACCES, errno.EPERM):
