@@ -14,7 +14,7 @@ import serpenoid as sn
 import wiring_diagram
 from serpenoid.base.files import csv_rows, read_text
 from serpenoid.bench.stability_map import Cell, stability_figure
-from serpenoid.bench.work_precision import read_rows
+from serpenoid.bench.work_precision import Row
 from serpenoid.bench.work_precision_figure import work_precision_figure
 from serpenoid.paper.study import PATH_GAIT, path_run
 from serpenoid.show import run_figure
@@ -44,7 +44,15 @@ def run(path: Path) -> None:
 
 def accuracy(path: Path) -> None:
     """Draw the measurement that stands in accuracy.csv; `serpenoid bench` measures."""
-    work_precision_figure(read_rows(STORED / "accuracy.csv"), path)
+    work_precision_figure(measured_rows(), path)
+
+
+def measured_rows() -> list[Row]:
+    """Return the rows of accuracy.csv."""
+    _, *lines = csv_rows(read_text(STORED / "accuracy.csv"))
+    numbers = [[float(cell or "nan") for cell in line[3:6]] for line in lines]
+    pairs = zip(lines, numbers, strict=True)
+    return [Row(*line[:3], *values, *line[6:]) for line, values in pairs]  # type: ignore[arg-type]
 
 
 def stability(path: Path) -> None:

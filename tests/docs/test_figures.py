@@ -13,6 +13,7 @@ from matplotlib.image import imread
 sys.path.insert(0, str(ROOT / "docs"))
 import figures
 import film_pictures
+from serpenoid.bench.work_precision import table
 from serpenoid.video.seeing.tags import tag_cells
 
 MAX_DIFFERENCE = 2e-3  # mean difference of a colour, 0 to 1; rounding may change a pixel's shade
@@ -53,3 +54,8 @@ def test_every_picture_of_a_page_is_in_the_repository() -> None:
 def test_drawn_tags_are_the_printed_ones() -> None:
     cells = np.array(tag_cells(len(film_pictures.PATTERNS)))[:, 1:-1, 1:-1].reshape(-1, 16)
     assert (cells @ (1 << np.arange(15, -1, -1)) == film_pictures.PATTERNS).all()
+
+
+def test_the_table_of_the_documentation_is_that_of_the_kept_measurement() -> None:
+    _, *lines = table(figures.measured_rows()).split("\n")  # the page's heads are words
+    assert "\n".join(lines) in (figures.ROOT / "docs/benchmarks.md").read_text()

@@ -22,7 +22,6 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from ..base.files import csv_rows, read_text
 from ..simulation.scene import METHODS, objection
 from ..simulation.simulate import simulate
 from . import scipy_peer
@@ -173,11 +172,3 @@ def machine() -> str:
         lines = []
     names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
     return f"{names[0] if names else platform.machine()}, {_core.compiler}, one core"
-
-
-def read_rows(path: Path) -> list[Row]:
-    """Return the rows of a file that `serpenoid bench` wrote."""
-    _, *lines = csv_rows(read_text(path))
-    numbers = [[float(cell or "nan") for cell in line[3:6]] for line in lines]
-    pairs = zip(lines, numbers, strict=True)
-    return [Row(*line[:3], *values, *line[6:]) for line, values in pairs]  # type: ignore[arg-type]

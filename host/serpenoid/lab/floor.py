@@ -31,12 +31,6 @@ class Track:
     heading_rad: Array
     released_s: float = 0.0
 
-    @property
-    def turned_rad(self) -> float:
-        """Return how far it has turned since it was let go."""
-        released_rad = np.interp(self.released_s, self.t_s, self.heading_rad)
-        return float(self.heading_rad[-1] - released_rad)
-
 
 @dataclass(frozen=True)
 class Push:

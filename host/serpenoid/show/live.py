@@ -67,7 +67,7 @@ def line(run: DrivenRun, frame: Telemetry) -> str:
     )
 
 
-def tables(run: DrivenRun, frame: Telemetry, band: Any = None) -> Group:
+def tables(run: DrivenRun, frame: Telemetry, band: Any) -> Group:
     """Return the run's state as tables: distance, joints, then timing and losses."""
     joints = zip(frame.setpoint_rad, frame.pulse_us, strict=True)
     cells = [[str(j), f"{math.degrees(a):.2f}", str(us)] for j, (a, us) in enumerate(joints, 1)]

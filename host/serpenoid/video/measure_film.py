@@ -86,7 +86,7 @@ def seen_film(
     link_m: float,
     side_m: float | None,
     progress: Callable[[float], object],
-    capture_fps: float | None = None,
+    capture_fps: float | None,
 ) -> tuple[Watched, float, list[Camera], list[Remark]]:
     """Return what a film shows, a tag's side (m), cameras to start from, and remarks.
 

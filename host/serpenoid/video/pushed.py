@@ -22,9 +22,9 @@ def track_pushes(
     path: Path,
     links: int,
     link_m: float,
-    side_m: float | None = None,
-    progress: Callable[[float], object] = lambda _: None,
-    capture_fps: float | None = None,
+    side_m: float | None,
+    progress: Callable[[float], object],
+    capture_fps: float | None,
 ) -> tuple[Array, float, list[Remark]]:
     """Follow a robot whose joints are locked through a film of one push or more.
 
@@ -56,8 +56,7 @@ def track_pushes(
     BadInput
         No film, one that cannot be measured, or joints that move; the message says what to do.
     """
-    film = seen_film(path, links, link_m, side_m, progress, capture_fps)
-    watched, side, starts, remarks = film
+    watched, side, starts, remarks = seen_film(path, links, link_m, side_m, progress, capture_fps)
     with refusals(path):
         fit, tagged, track = follow(watched.sightings, side, starts, rigid=True)
         # A hidden link stands to its neighbours as it always does.

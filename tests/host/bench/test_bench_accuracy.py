@@ -7,7 +7,6 @@ import os
 import signal
 import time
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 import serpenoid as sn
@@ -15,9 +14,7 @@ from serpenoid.base.checks import CHOICES
 from serpenoid.bench import extremes, scenes
 from serpenoid.bench.child_process import Limited
 from serpenoid.bench.problems import problems, reference
-from serpenoid.bench.work_precision import read_rows, table
 
-ROOT = Path(__file__).parents[3]
 PROBLEMS = {p.name: p for p in problems()}
 
 
@@ -32,12 +29,6 @@ def test_a_child_answers_fails_hangs_dies_and_leaves_ctrl_c_to_who_started_it() 
         assert child(0.01, time.sleep, 60) == (None, "HANG: stopped after 0.01 s")
         assert child(5.0, os._exit, 7) == (None, "CRASH: the process ended with status 7")
         assert child(5.0, abs, -3) == (3, "")
-
-
-def test_the_table_of_the_documentation_is_that_of_the_kept_measurement() -> None:
-    rows = read_rows(ROOT / "host/docs/accuracy.csv")
-    body = table(rows).partition("\n")[2]  # the page's heads say the scenes in words
-    assert body in (ROOT / "docs/benchmarks.md").read_text()
 
 
 @pytest.mark.parametrize(

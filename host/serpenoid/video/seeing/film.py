@@ -38,7 +38,7 @@ class Film:
         return 1.0 if self.capture is None else self.capture.time_scale
 
     @staticmethod
-    def open(path: Path, capture_fps: float | None = None) -> Film:
+    def open(path: Path, capture_fps: float | None) -> Film:
         """Read what the file says. Raises BadInput: no film, or damaged.
 
         capture_fps: pictures a second that the camera took, where somebody says so; else what the

@@ -31,7 +31,7 @@ class Watched:
     ground: Background
 
 
-def watch(film: Film, links: int, progress: Callable[[float], object] = lambda _: None) -> Watched:
+def watch(film: Film, links: int, progress: Callable[[float], object]) -> Watched:
     """Read a film. progress: called with the share of it that is read. Raises BadInput."""
     finder, ground, frames = TagFinder(links), Background(), []
     for time_s, picture in film.frames():
