@@ -110,12 +110,10 @@ def finer_scene(scene: Scene, times: int = 1) -> Scene:
     """Return the scene at a tenth of its tolerance or half its step, so many times.
 
     By nonsmooth it is a hundredth: after each event steps begin anew, so that runs at tolerances
-    next to each other often take the same steps, and share their error. It records energies at
-    most. Below some tolerance rounding makes steps short and tells no more
-    (a run by nonsmooth takes ten times as long at 1e-11 with 40 links): there it is ten times the
-    tolerance, whose difference is the larger.
+    next to each other often take the same steps, and share their error. Below some tolerance
+    rounding makes steps short and tells no more (a run by nonsmooth takes ten times as long at
+    1e-11 with 40 links): there it is ten times the tolerance, whose difference is the larger.
     """
-    scene = replace(scene, record=tuple(name for name in scene.record if name == "energy"))
     if not scene.adaptive:
         return with_shorter_steps(scene, 2**times)
     events = scene.method == "nonsmooth"

@@ -7,7 +7,6 @@ import re
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -248,28 +247,23 @@ class Run(Plottable):
             largest = float(np.abs(self.joint_torque_nm).max())
             rows.append(Row("largest torque of a joint", "N m", largest))
         ends = self.energy_j[-1].tolist() if self.energy_j.size else []
-        names = [name.removesuffix("_j").replace("_", " ") for name in ENERGY_COLUMNS]
-        pairs = zip(names, ends, strict=False)
-        return rows + [Row(f"{name} at the end", "J", value) for name, value in pairs]
+        for name, value in zip(ENERGY_COLUMNS, ends, strict=False):
+            words = name.removesuffix("_j").replace("_", " ")
+            rows.append(Row(f"{words} at the end", "J", value))
+        return rows
 
     def to_csv(self, path: Path | str) -> None:
-        """Write a CSV file: t_s; x, y, theta and their rates of each link; what was recorded.
+        """Write a CSV file: t_s; x of each link, then y, theta and their rates; what was recorded.
 
         A row for each recorded time. Links and joints count from 1 at the tail: vx2_m_s is vx_m_s
         of link 2; joint_force_x3_n is that on link 3 from link 4.
         """
         header, columns = ["t_s"], [self.t_s[:, None]]
-        for names in (
-            ("x_m", "y_m", "theta_rad"),
-            ("vx_m_s", "vy_m_s", "omega_rad_s"),
-            ("joint_force_x_n", "joint_force_y_n", "joint_torque_nm"),
-            ("friction_x_n", "friction_y_n"),
-        ):
-            arrays = [getattr(self, name) for name in names]
-            if arrays[0].size:
-                columns.append(np.stack(arrays, axis=2).reshape(self.t_s.size, -1))
-                pairs = product(range(arrays[0].shape[1]), names)
-                header += [_numbered(name, i + 1) for i, name in pairs]
+        for name in self.__match_args__[2:13]:  # arrays over links or joints
+            values = getattr(self, name)
+            if values.size:
+                columns.append(values)
+                header += [_numbered(name, i + 1) for i in range(values.shape[1])]
         if self.energy_j.size:
             columns.append(self.energy_j)
             header += ENERGY_COLUMNS

@@ -304,12 +304,8 @@ def default_method(scene: Scene) -> str:
 
 
 def exact_scene(scene: Scene, tolerance: float) -> Scene:
-    """Return a scene in the explicit formulation, by the most accurate method for it.
-
-    It records energies at most.
-    """
-    record = tuple(name for name in scene.record if name == "energy")
-    bare = replace(scene, formulation="explicit", method="auto", record=record)
+    """Return a scene in the explicit formulation, by the most accurate method for it."""
+    bare = replace(scene, formulation="explicit", method="auto")
     return replace(bare, tolerance=tolerance, method=most_accurate_method(bare))
 
 

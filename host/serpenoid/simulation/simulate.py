@@ -105,7 +105,7 @@ def _check_imposed(scene: Scene, start: LinkState) -> None:
     bent = np.diff(start.theta_rad), np.diff(start.omega_rad_s)
     names = "angle {:.6g} rad", "rate {:.6g} rad/s"
     for name, has, wants in zip(names, bent, _joints_at_start(scene), strict=True):
-        wrong = imposed & (np.abs(has - wants) > 1e-6 * (1 + np.abs(wants)))
+        wrong = imposed & ~np.isclose(has, wants, rtol=1e-6, atol=1e-6)
         for i in np.nonzero(wrong)[0]:
             raise BadInput(
                 f"start has joint {i + 1} at {name.format(has[i])}, where it is imposed to "

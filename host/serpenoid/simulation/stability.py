@@ -22,7 +22,6 @@ import numpy as np
 
 from ..base.errors import StepTooLarge
 from ..base.vectors import Array
-from ..model.drives import Servo
 from ..model.gait import Gait, joint_motion
 from ..model.robot import Robot
 from .scene import Scene, objection
@@ -74,17 +73,6 @@ def _mobility(robot: Robot, gait: Gait, pinned: bool) -> float:
     return float(np.linalg.eigvalsh(apart @ np.linalg.solve(masses, apart.T)).max())
 
 
-def _motor_line(servo: Servo, gait: Gait) -> float:
-    """Return torque by speed of a servo at its limit, N m s/rad; 0 if it never gets there.
-
-    It may when an error of half a turn asks for more than is left at ten times the gait's rate.
-    """
-    torque_share = 1 - 10 * gait.alpha_rad * gait.omega_rad_s / servo.speed_limit_rad_s
-    if servo.torque_limit_nm * torque_share > servo.stiffness_nm_rad * math.pi:
-        return 0.0
-    return servo.torque_limit_nm / servo.speed_limit_rad_s
-
-
 def _step(method: str, stiff: Array, damped: Array, braked: Array) -> Array:
     """Return what a step makes of (x, h v) of each mode, as matrices; h v before it counts, too.
 
@@ -134,8 +122,13 @@ def _modes(scene: Scene) -> tuple[Array, Array, Array]:
     if (servo := scene.servo) is not None:
         nu = _mobility(scene.robot, scene.gait, not implicit)
         nu /= 1 + servo.armature_kg_m2 * nu  # rotors turn with their joints
-        gear, line = servo.gear_damping_nms_rad, _motor_line(servo, scene.gait)
+        gear, gait = servo.gear_damping_nms_rad, scene.gait
         modes.append((servo.stiffness_nm_rad * nu, (servo.damping_nms_rad + gear) * nu))
+        # At its limit the motor's own line damps. A servo may get there if an error of half a turn
+        # asks for more than is left at ten times the gait's rate.
+        torque_share = 1 - 10 * gait.alpha_rad * gait.omega_rad_s / servo.speed_limit_rad_s
+        limited = servo.torque_limit_nm * torque_share <= servo.stiffness_nm_rad * math.pi
+        line = limited * servo.torque_limit_nm / servo.speed_limit_rad_s
         modes.append((0.0, (line + gear) * nu))
     stiff, damped = np.array(modes * 2).T
     return stiff, damped, np.repeat([0.0, friction], len(modes))
