@@ -1,4 +1,4 @@
-"""What a result says: a sentence, then rows of name, unit, value and interval; the one printer."""
+"""Results as text: a sentence, and a table with name, unit, value and interval in each row."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 
 class Row(NamedTuple):
-    """One line of a result; NaN stands for what it has not.
+    """One row of a result; numbers that it lacks are NaN.
 
-    low, high: the 95 % interval. sigma: standard deviation. detail: a numerical error, a margin or
-    another power, which commands print with --verbose. words: printed in place of the value.
+    low, high: the 95 % interval. sigma: standard deviation. detail: whether commands print the row
+    with --verbose only, such as numerical errors and margins. words: text in place of the value.
     """
 
     name: str
@@ -32,7 +32,7 @@ class Row(NamedTuple):
 
     @property
     def interval(self) -> str:
-        """Return the interval in words; one that begins at 0 has only an upper end."""
+        """Return the interval in words, with its upper end alone if it begins at 0."""
         if math.isnan(self.high):
             return ""
         return f"{self.low:.3g} to {self.high:.3g}" if self.low else f"below {self.high:.3g}"
@@ -52,26 +52,26 @@ class Row(NamedTuple):
 
 
 def detail(name: str, unit: str, value: float = math.nan, words: str = "") -> Row:
-    """Return a row of what commands print with --verbose."""
+    """Return a row that commands print with --verbose only."""
     return Row(name, unit, value, detail=True, words=words)
 
 
 class Result:
-    """What can be printed: a sentence, and the table of its rows."""
+    """Something that can be printed: a sentence, and a table of rows."""
 
     __slots__ = ()
 
     def in_words(self) -> str:
-        """Return what a builder asks, in two digits; "" where the table says it."""
+        """Return the main answer in a sentence, in two digits; "" if the table has it."""
         return ""
 
     def rows(self) -> list[Row]:
-        """Return the numbers, most wanted first; unless a result says which, all of its fields."""
+        """Return the rows, the most important first; by default one for each field."""
         names: tuple[str, ...] = getattr(self, "__match_args__", ())
         return [Row(name, "", getattr(self, name)) for name in names]
 
     def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
-        """Return heads and cells of the rows, those of details only if verbose."""
+        """Return heads and cells of the table; rows of details only if verbose."""
         return columns([row for row in self.rows() if verbose or not row.detail])
 
     def __repr__(self) -> str:
@@ -88,8 +88,8 @@ class Result:
 class Plottable(Result):
     """A result that has a figure.
 
-    The figure is drawn by serpenoid.show, which stands above all rooms of results and is imported
-    by its name at the first use: this is the one exception from the order of the rooms.
+    serpenoid.show, which may use all rooms of results, draws the figure. It is imported by name at
+    the first use, as the one exception from the order of the rooms.
     """
 
     __slots__ = ()
@@ -102,12 +102,12 @@ class Plottable(Result):
         path
             File to write, PNG, PDF or SVG; none unless given.
         **details
-            Of a FrictionFit: `session`, whose readings are drawn with its lines.
+            For a FrictionFit: `session`, whose readings are drawn with the fitted lines.
 
         Returns
         -------
         matplotlib.figure.Figure
-            The figure; its `axes` and `savefig` are matplotlib's.
+            The figure, with `axes` and `savefig` as in matplotlib.
 
         Examples
         --------
@@ -122,7 +122,7 @@ class Plottable(Result):
 
 
 def columns(rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
-    """Return heads and cells of rows; intervals have a column where there is one."""
+    """Return heads and cells of rows, with a column of intervals if any row has one."""
     count = 3 if any(row.interval for row in rows) else 2
     return ["", "value", "95 % interval"][:count], [row.cells[:count] for row in rows]
 
@@ -130,7 +130,7 @@ def columns(rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
 def table(
     title: str, heads: Sequence[str], cells: Sequence[Sequence[str]], text_columns: int = 1
 ) -> Table:
-    """Return a table to print; its first columns are text, the others numbers, none cut off."""
+    """Return a table for printing; the first text_columns are text, the others numbers."""
     from rich.table import Table
 
     printed = Table(title=title, title_justify="left", title_style="bold", header_style="")
@@ -142,12 +142,12 @@ def table(
 
 
 def two_digits(value: float) -> str:
-    """Return a number as one says it: 0.10, 2.1, 12."""
+    """Return a number in two digits, such as 0.10, 2.1 or 12."""
     return f"{value:#.2g}".removesuffix(".")
 
 
 def ranged(value: float, unit: str, low: float, high: float) -> str:
-    """Return a value and its range in two digits, in four where two are the same."""
+    """Return a value with its range in two digits; in four if both ends would be the same."""
     if two_digits(low) == two_digits(high):
         return f"{value:.4g} {unit} ({low:.4g} to {high:.4g})"
     ends = f"{two_digits(low)} to {two_digits(high)}" if low else f"below {two_digits(high)}"

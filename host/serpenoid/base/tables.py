@@ -1,9 +1,9 @@
-"""Tables of numbers that other programs exported as text: separators, decimals, names of columns.
+"""Read tables of numbers that other programs have exported as text.
 
-Cells are parted by tabs, semicolons, commas or spaces, whichever parts the names of the columns.
-Decimals have a point or a comma. A byte-order mark is skipped. UTF-16 with its mark is read; what
-is not UTF-8 is read as Windows-1252, since numbers are the same in it. Lines above the names of the
-columns, such as a title or the line `sep=;` of spreadsheets, are no part of the table.
+Cells are separated by tabs, semicolons, commas or spaces, as the names of the columns are. Decimals
+have a point or a comma. Encodings are UTF-8, UTF-16 with a byte-order mark, and else Windows-1252,
+in which numbers are the same. Lines above the names of the columns, such as a title or the line
+`sep=;` of spreadsheets, are skipped.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ from typing import TypeVar
 from .errors import BadInput
 from .files import csv_rows, read_bytes, with_line_feeds
 
-# Suffixes of files of other programs, which hold a table but are none.
+# Suffixes of other programs' files, which contain tables but are not text.
 OTHER_PROGRAMS = (".trk", ".trz", ".kva", ".xlsx", ".xls", ".ods", ".numbers", ".json")
 Columns = TypeVar("Columns")
 
 
 @dataclass(frozen=True)
 class TextTable:
-    """Hold the cells of a table, stripped and without quotes.
+    """The cells of a table, stripped and without quotes.
 
-    path, text: of the file. head: names of the columns. rows: number of its line and cells, for
+    path, text: the file and its text. head: names of the columns. rows: line number and cells of
     each line below; a blank line has no cells.
     """
 
@@ -44,34 +44,34 @@ class TextTable:
         return float(text)
 
     def where(self, line: int) -> str:
-        """Return file and line."""
+        """Return file and line for messages."""
         return f"{self.path}:{line}"
 
 
 def read_table(
     path: Path, find: Callable[[list[str]], Columns | None], needed: str
 ) -> tuple[TextTable, Columns]:
-    """Return a file's table, and what was found in the names of its columns.
+    """Return a file's table, and the columns found in it.
 
     Parameters
     ----------
     path
         The text file.
     find
-        Returns from the names of columns what the caller wants of them; None if they are not in
-        this line.
+        Function of the cells of a line. It returns the wanted columns, None if the line does not
+        name them.
     needed
-        Names of columns as the file should have them, for the message where no line has them.
+        Names of the needed columns, for the message.
 
     Raises
     ------
     BadInput
-        It is no text file, or no line names the columns; the message shows what is needed.
+        If it is not a text file, or no line names the columns.
     """
     text = _decoded(path)
     lines = text.split("\n")
     for number, line in enumerate(lines[:20]):
-        for separator in "\t;, ":  # in this order: a comma may be a decimal's, or in a name
+        for separator in "\t;, ":  # Commas come late: decimals and names have them too.
             cells = _cells(line, separator)
             columns = find(cells) if cells else None
             if columns is not None:
@@ -89,7 +89,7 @@ def number_columns(
 ) -> dict[str, list[float]]:
     """Return the numbers of columns by their names; blank lines do not count.
 
-    Raises BadInput where a needed column or a number is missing.
+    Raises BadInput if a needed column or a number is missing.
     """
 
     def find(head: list[str]) -> dict[str, int] | None:
@@ -116,7 +116,8 @@ def _decoded(path: Path) -> str:
     """Return the text of a file in UTF-8, UTF-16 with its mark, or Windows-1252."""
     data = read_bytes(path)
     begin = data.lstrip(b"\xef\xbb\xbf")
-    binary = b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"<?xml"  # workbooks, projects of Tracker, XML
+    # Starts of workbooks, and of XML, such as Tracker's projects.
+    binary = b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"<?xml"
     if path.suffix.lower() in OTHER_PROGRAMS or begin.startswith(binary):
         raise BadInput(
             f"{path}: this is another program's own file; export the table there as text/CSV "
@@ -133,14 +134,14 @@ def _decoded(path: Path) -> str:
 
 
 def _cells(line: str, separator: str) -> list[str]:
-    """Return the cells of one line, [] if nothing is in it."""
+    """Return the cells of one line, [] for a blank line."""
     if not line.strip():
         return []
     if separator == " ":
         return re.sub(r" +(?=[(\[])", "", line.replace('"', " ")).split()
     try:
         cells = csv_rows(line, delimiter=separator)[0]
-    except BadInput:  # a lone quote is no quotation
+    except BadInput:  # A single quotation mark is part of a cell.
         cells = line.split(separator)
     return [cell.strip().strip('"').strip() for cell in cells]
 

@@ -1,8 +1,7 @@
-"""A session's folder, written to: one line a reading, on the disk before anything else happens.
+"""Write a session's folder: a line for each reading, which is on the disk before the next step.
 
-Files are only ever appended to, by one process at a time. A line that was cut short by a kill or
-a power cut is closed with a mark before the next one; a line that the disk has no room for is
-taken back whole.
+Only one process at a time writes, and it only appends. A line that a kill or a power cut has cut
+short is ended with a mark before the next one; a line for which the disk has no room is removed.
 """
 
 from __future__ import annotations
@@ -39,20 +38,20 @@ from .session import Session
 from .settings import changes
 from .track import PLACES, Samples, Track, typed_track
 
-PROGRAM = f"serpenoid {version('serpenoid')}"  # its name in files
+PROGRAM = f"serpenoid {version('serpenoid')}"  # Name and version of the program in files.
 
 
 def utc_now() -> str:
-    """Return the time as the files hold it."""
+    """Return the present time as in files, ISO 8601 in UTC."""
     return datetime.now(timezone.utc).isoformat(timespec="milliseconds").replace("+00:00", "Z")
 
 
 class Journal:
-    """Append to one session, inside `with Journal(folder) as journal:` only.
+    """The writer of one session, used as `with Journal(folder) as journal:`.
 
-    session, rows (of readings, by their numbers): what the files hold now. Raises BadInput for
-    files that cannot be read and a session that another process has open, named by its number;
-    RecordingFailed where the disk takes no more: nothing is then half written.
+    session: the session as the files hold it now. rows: the rows of readings by their numbers.
+    Raises BadInput for files that cannot be read, or if another process, which it names, writes to
+    the session; RecordingFailed if the disk is full, and no line is then half written.
     """
 
     def __init__(self, folder: str | Path):
@@ -78,7 +77,7 @@ class Journal:
 
     @property
     def last(self) -> int:
-        """Return the number of the last reading, 0 before the first."""
+        """Return the number of the last reading, 0 if there is none."""
         return max(self.rows, default=0)
 
     def add(
@@ -90,10 +89,10 @@ class Journal:
         comment: str = "",
         samples: Samples | None = None,
     ) -> int:
-        """Write one reading; return its number. cells: column -> value, in the file's units.
+        """Check and write one reading; return its number.
 
-        It is checked first, so that no line is ever written that could not be read. samples: of a
-        kind with a track, whose file is on the disk before the reading's line.
+        cells: column -> value, in the file's units. replaces: number of a reading that it makes
+        void. samples: of a kind with a track, whose file is written before the reading's line.
         """
         if replaces:
             self._check_number(replaces)
@@ -109,7 +108,7 @@ class Journal:
     def check(
         self, kind: str, cells: Cells, samples: Samples | None = None
     ) -> tuple[dict[str, str], Track | None]:
-        """Return row and track of a reading; raises BadInput for one that add() would not take."""
+        """Return the row and the track of a reading; raises BadInput if it is not valid."""
         setup, declared = self.session.setup, kind_of(kind)
         cells = {**cells, LINKS: setup.robot.links}
         if declared.columns and (places := cells.pop(PLACES, "")):
@@ -142,7 +141,7 @@ class Journal:
         self._append("events.csv", EVENT_COLUMNS, row | {"detail": detail})
 
     def read_again(self) -> list[str]:
-        """Read the files again; return what somebody changed in session.toml, a line a setting."""
+        """Read the files again; return the changes in session.toml, a line for each setting."""
         setup = self.session.setup
         self._read()
         return changes(setup, self.session.setup)
@@ -178,14 +177,14 @@ class Journal:
 
 
 def csv_line(cells: list[str]) -> str:
-    """Return one line of CSV; a cell's own line ends become spaces, one line being one row."""
+    """Return one line of CSV; line ends inside cells become spaces."""
     line = io.StringIO()
     csv.writer(line, lineterminator="\n").writerow([" ".join(cell.split()) for cell in cells])
     return line.getvalue()
 
 
 def append_line(path: Path, line: str) -> None:
-    """Put a line or more at a file's end and on the disk, whole or not at all.
+    """Append a line or more to a file on the disk, whole or not at all.
 
     Raises RecordingFailed.
     """

@@ -1,6 +1,6 @@
-"""What can be wrong with a film: one table of checks, each with its measure, words and limits.
+"""Checks of films in one table: each has a measure, limits, and a message.
 
-A check warns, which is a remark beside the film's numbers, or refuses the film with the cure.
+A check adds a remark to the film's results, or refuses the film with a message on what to do.
 """
 
 from __future__ import annotations
@@ -21,17 +21,18 @@ from .made_gait import gait_doubt, measured_gait
 from .result import FilmedRun, Remark
 from .seeing.watch import Watched
 
-MOVED_REFUSE = 0.06  # Largest shift of the floor, in sides of a tag.
-PHASE_RAD = math.radians(45.0)  # Lag behind the other joints that no servo has.
+MOVED_REFUSE = 0.06  # Largest allowed shift of the floor, in sides of a tag.
+PHASE_RAD = math.radians(45.0)  # Phase error of a joint that no sound servo has.
 
 
 @dataclass(frozen=True)
 class Check:
-    """One thing that can be wrong with a film, or with what was measured in it.
+    """A check of a film, or of what was measured in it.
 
-    stage: what is looked at: "seen", "placed", "fitted", "followed", "moved", "servos". measure: of
-    that, a number or True; above `warn` it is a remark with this name, above `refuse` the film is
-    refused. words: of the same and the number: what happened, the limit, what to do.
+    stage: name of the stage of the measurement after which it is done: "seen", "placed", "fitted",
+    "followed", "moved" or "servos". measure: function of the stage's result that returns a number
+    or True; above `warn` it gives a remark with this name, above `refuse` the film is refused.
+    words: function of the stage's result and the number that returns the message.
     """
 
     stage: str
@@ -43,7 +44,7 @@ class Check:
 
 
 def run_checks(stage: str, subject: Any) -> list[Remark]:
-    """Return what there is to remark at a stage; raise BadInput with the first refusal's words."""
+    """Return the remarks of a stage's checks on its result; raises BadInput if one refuses it."""
     remarks = []
     for check in CHECKS:
         value = float(check.measure(subject)) if check.stage == stage else -math.inf
@@ -59,7 +60,7 @@ def _side_px(w: Watched) -> float:
 
 
 def _camera_moved(w: Watched) -> float:
-    """Return by how much the floor moved at least, in sides of a tag: less four sigmas."""
+    """Return the largest shift of the floor less four sigmas, in sides of a tag; at least 0."""
     shifts = [] if w.ground.plain else w.ground.shifts
     distances_px = [math.hypot(x, y) - 4.0 * sigma for _, x, y, sigma in shifts]
     return max([0.0, *distances_px]) / _side_px(w)
@@ -77,32 +78,33 @@ def _camera_words(w: Watched, _: float) -> str:
 
 
 def blur_factor(w: Watched) -> float:
-    """Return by what factor blur widens the standard deviations of a film's numbers."""
-    least_px, least_cells = 1.0, 0.2  # Widths of a blurred edge, in pixels and in cells of the tag.
-    blurred = np.nanquantile(w.edge_px, 0.9) > least_px and _edge_cells(w) > least_cells
-    # Errors over sigmas, rms, of films of 1/30 s of exposure, 25 ms of readout, 48 deg aslant.
+    """Return the factor of the standard uncertainties for blur: 1 or 2.5."""
+    min_px, min_cells = 1.0, 0.2  # Widths of a blurred edge, in pixels and in cells of the tag.
+    blurred = np.nanquantile(w.edge_px, 0.9) > min_px and _edge_cells(w) > min_cells
+    # The factor is the rms of error over sigma in rendered films with 1/30 s exposure, 25 ms
+    # readout, and the camera 48 deg aslant.
     return 2.5 if blurred else 1.0
 
 
 def _edge_cells(w: Watched) -> float:
-    """Return the widest edges, in cells of a tag: of one frame in ten."""
+    """Return the 90 % quantile of the widths of edges, in cells of a tag."""
     return float(np.nanquantile(w.edge_px / (w.sightings.side_px / 6), 0.9))
 
 
 def _steps(centres: Array) -> Any:
-    """Return the mean distance from each tag (frames, links, 2) to the next one, m.
+    """Return the mean distances of neighbouring tags, m, (links - 1,), given (frames, links, 2).
 
-    Masked where two tags are never seen together.
+    They are masked if two tags are never seen together.
     """
     distances = np.linalg.norm(np.diff(centres, axis=1), axis=-1)
     return np.ma.masked_invalid(distances).mean(axis=0)
 
 
 def widened_sigmas(w: Watched, m: Measured) -> Array:
-    """Return the standard deviations of a film's numbers with what checks found in them.
+    """Return the standard uncertainties of a film's numbers, in the order of `Motion.numbers`.
 
-    They are wider for blur, for a camera that moved, and for links and tags that disagree. A floor
-    that moves by s halfway through a film of length T changes a line's slope by 1.5 s / T.
+    They are increased for blur, for a camera that moved, and for links and tags that disagree. A
+    floor that shifts by s in the middle of a film of length T changes a line's slope by 1.5 s / T.
     """
     camera, speed_m_s = m.bundle.camera, max(m.motion.speed_m_s, 1e-9)
     drift_m_s = 1.5 * _camera_moved(w) * camera.side_m / np.ptp(m.track.t_s)
@@ -113,11 +115,11 @@ def widened_sigmas(w: Watched, m: Measured) -> Array:
     return sigmas
 
 
-Filmed = tuple[FilmedRun, Gait | None]  # what was measured, and the commanded gait
+Filmed = tuple[FilmedRun, Gait | None]  # The measured motion, and the commanded gait.
 
 
 def _lags(filmed: Filmed) -> Array:
-    """Return how far each joint is from its step in the gait, rad."""
+    """Return the phase error of each joint, rad, (joints,)."""
     return np.array(measured_gait(*filmed).joint_shift_rad)
 
 
@@ -134,11 +136,11 @@ def _lag_words(filmed: Filmed, _: float) -> str:
 
 
 def _centres(filmed: Filmed) -> tuple[Array, Array]:
-    """Return by how much each joint's centre is off, rad, and that over the limit for a trim."""
+    """Return each joint's error of centre, rad, and its ratio to the limit, (joints,) each."""
     run, gait = filmed
     offset, sigma = columns(run.joints, "offset_rad", "offset_sigma_rad")
     excess = offset - (gait.offset_rad if gait else 0.0)
-    # An error of 1 degree is worth a trim.
+    # An error of 1 degree is worth a correction of the trim.
     return excess, np.abs(excess) / np.maximum(math.radians(1.0), 2 * sigma)
 
 
@@ -158,7 +160,7 @@ CHECKS = (
         lambda w, _: f"shows tag {w.strangers.most_common(1)[0][0] + 1}, but the robot has "
         f"{w.sightings.links} links: another robot? If it is this one, give its number of links "
         "with --set links=...",
-        refuse=0.2,  # share of the frames
+        refuse=0.2,  # Share of the frames.
     ),
     Check(
         "seen", "no tags", lambda w: 1 - w.sightings.visible.any(axis=1).mean(),
@@ -166,7 +168,7 @@ CHECKS = (
         "video tags`, with their white rim, at least 25 px a side in the film. AprilTags, other "
         "ArUco tags, the mirrored pictures of selfie cameras, and numbers that are seen twice in a "
         "picture do not count",
-        refuse=0.96,  # share of the frames: 1 in 50 that looks like a tag is a pattern of the floor
+        refuse=0.96,  # Share of the frames; a pattern of the floor looks like a tag in 1 of 50.
     ),
     Check(
         "seen", "few frames", lambda w: -(w.sightings.visible.sum(axis=1) > 1).sum(),
@@ -205,7 +207,7 @@ CHECKS = (
         "placed", "order", lambda centres: _steps(centres).max() / _steps(centres).min(),
         lambda centres, _: f"tag {_steps(centres).argmax() + 1} and the next one are no "
         "neighbours; number 1 belongs on the tail, then 2, 3, ...: put them on anew",
-        refuse=1.6,  # longest distance from a tag to the next one, over the shortest
+        refuse=1.6,  # Ratio of the longest to the shortest distance of neighbours.
     ),
     Check(
         "fitted", "scale", lambda b: b.scale_off,
@@ -222,7 +224,7 @@ CHECKS = (
         lambda track, hidden: f"joint {held_joints(track).mean(axis=0).argmin() + 1} can be "
         f"measured in {1 - hidden:.0%} of the frames: a tag beside it is hidden or out of the "
         "picture. 15% are needed; keep the whole robot in the picture",
-        refuse=0.85,  # share of the frames: of a joint that is held less no sine can be fitted
+        refuse=0.85,  # Share of frames without the joint; with more, no sine can be fitted.
     ),
     Check(
         "moved", "still", lambda m: -m.motion.amplitude_rad.max(),
