@@ -5,8 +5,9 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, SupportsIndex
 
 from .errors import BadInput
 
@@ -122,11 +123,14 @@ def check_text(name: str, value: object, blank: bool = False) -> str:
 
 def check_whole(name: str, value: object, low: int, high: int | None = None) -> int:
     """Return a whole number, or raise BadInput naming it and the range it must be in."""
-    highest = math.inf if high is None else high
-    if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= highest:
+    number = None
+    if isinstance(value, SupportsIndex) and not isinstance(value, bool):
+        with suppress(TypeError):  # An array is no index, though it has the method.
+            number = value.__index__()
+    if number is None or not low <= number <= (math.inf if high is None else high):
         ends = f", {low} or more" if high is None else f" from {low} to {high}"
         raise BadInput(f"{name} is {value!r}; it must be a whole number{ends}")
-    return value
+    return number
 
 
 def sha256_of(path: Path) -> str:

@@ -94,9 +94,8 @@ def number_columns(
 
     def find(head: list[str]) -> dict[str, int] | None:
         cells = [cell.casefold() for cell in head]
-        names = [name for name in (*needed, *optional) if name.casefold() in cells]
-        places = {name: cells.index(name.casefold()) for name in names}
-        return places if {*needed} <= {*places} else None
+        names = [name for name in (*needed, *optional) if name in cells]
+        return {name: cells.index(name) for name in names} if {*needed} <= {*names} else None
 
     table, places = read_table(path, find, ",".join(needed))
     columns = {name: list[float]() for name in places}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import inspect
 import itertools
 import os
 from collections.abc import Mapping, Sequence
@@ -19,7 +18,7 @@ Sections = Mapping[str, Sequence[click.Command]]
 
 
 class Commands(click.Group):
-    """A group whose help tells the first paragraph of every command, section by section.
+    """A group whose help tells the first sentence of every command, section by section.
 
     sections: its commands, unless they are added one by one. usual: the command that is meant where
     a file, a folder or an option stands first.
@@ -48,19 +47,13 @@ class Commands(click.Group):
         return super().parse_args(ctx, args or ["--help"])
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the commands, each with its whole first paragraph."""
+        """Write the commands, each with its first sentence."""
         ungrouped = {"Commands": [self.commands[name] for name in self.list_commands(ctx)]}
         for title, commands in (self.sections or ungrouped).items():
             with formatter.section(title):
                 formatter.write_dl(
-                    [(command.name or "", first_paragraph(command)) for command in commands]
+                    [(command.name or "", command.get_short_help_str(200)) for command in commands]
                 )
-
-
-def first_paragraph(command: click.Command) -> str:
-    """Return the first paragraph of a command's help, on one line and without its full stop."""
-    first = inspect.cleandoc(command.help or "").split("\n\n")[0]
-    return " ".join(first.split()).removesuffix(".")
 
 
 def of_arguments(error: click.ClickException) -> str:

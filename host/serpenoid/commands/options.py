@@ -235,8 +235,12 @@ def describe(gait: sn.Gait) -> Values:
     return degrees | {"omega_rad_s": gait.omega_rad_s}
 
 
-def interruptible(work: Callable[[], T]) -> T:
-    """Return work(), run in a thread, so that Ctrl-C is noticed while the core computes."""
+def busy(what: str, work: Callable[[Callable[[float], object]], T]) -> T:
+    """Return work(show_share) and show meanwhile that it is running, by the words in `what`.
+
+    show_share: function of the share of the work done, 0 to 1. The work runs in a thread, so that
+    Ctrl-C is noticed while the core computes; it ends the work.
+    """
     from concurrent.futures import Future
 
     from ..base.long_calls import stoppable
@@ -245,26 +249,18 @@ def interruptible(work: Callable[[], T]) -> T:
     stop = threading.Event()
     work = stoppable(work, stop)
 
-    def run() -> None:
+    def run(show_share: Callable[[float], object]) -> None:
         try:
-            done.set_result(work())
+            done.set_result(work(show_share))
         except BaseException as error:
             done.set_exception(error)
 
-    threading.Thread(target=run, daemon=True).start()
-    try:
-        return done.result()
-    finally:
-        stop.set()
-
-
-def busy(what: str, work: Callable[[Callable[[float], object]], T]) -> T:
-    """Return work(show_share) and show meanwhile that it is running, by the words in `what`.
-
-    show_share: function of the share of the work done, 0 to 1. Ctrl-C ends the work.
-    """
     with working(what) as show_share:
-        return interruptible(lambda: work(show_share))
+        threading.Thread(target=run, args=(show_share,), daemon=True).start()
+        try:
+            return done.result()
+        finally:
+            stop.set()
 
 
 def print_result(result: Any, as_json: bool, verbose: bool, notes: Values) -> None:
@@ -285,7 +281,7 @@ def warn_of_two_motions(state: sn.Steady) -> sn.Steady:
     """Return the state with its `from_rest`; warn if that is another motion than the reported."""
     from ..simulation.from_rest import from_rest, two_motions_text
 
-    state = replace(state, from_rest=interruptible(lambda: from_rest(state)))
+    state = replace(state, from_rest=busy("starting from rest", lambda _: from_rest(state)))
     if text := two_motions_text(state):
         warnings.warn(text, stacklevel=2)
     return state

@@ -6,7 +6,7 @@ import math
 import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -153,16 +153,8 @@ def gait_name(gait: Gait) -> str:
     return f"{alpha:.3g}°/{beta:.3g}°, {gait.omega_rad_s / math.tau:.3g} Hz{bend}"
 
 
-class JointMotion(NamedTuple):
-    """Hold phi_i (rad), its rate (rad/s) and second derivative (rad/s^2), (..., joints) each."""
-
-    angle_rad: Array
-    rate_rad_s: Array
-    acceleration_rad_s2: Array
-
-
-def joint_motion(gait: Gait, joints: int, t_s: ArrayLike = 0.0) -> JointMotion:
-    """Return how the joints move, from the tail: phi_i = offset + alpha sin(omega t + (i-1) beta).
+def joint_motion(gait: Gait, joints: int, t_s: ArrayLike = 0.0) -> tuple[Array, Array, Array]:
+    """Return the joints' angles (rad), rates (rad/s) and second derivatives (rad/s^2), by Eq. 57.
 
     Each joint has its own gain and shift where the gait has them. t_s: a time, or times of any
     shape; the joints are the last axis of what comes back.
@@ -174,4 +166,4 @@ def joint_motion(gait: Gait, joints: int, t_s: ArrayLike = 0.0) -> JointMotion:
     with np.errstate(over="ignore"):  # an infinite acceleration
         acceleration = -rate * (rate * swing)
     speed = rate * gain * gait.alpha_rad * np.cos(phase)
-    return JointMotion(gait.offset_rad + swing, speed, acceleration)
+    return gait.offset_rad + swing, speed, acceleration

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass
-from typing import SupportsIndex
+from functools import partial
 
 from ..base.checks import POSITIVE, check_fields, check_whole
 
@@ -12,12 +11,7 @@ MAX_LINKS = 100_000
 MAX_DENSITY_KG_M3 = 22_600  # osmium, the densest metal: no link outweighs a cube of it
 
 
-def check_links(links: object) -> int:
-    """Return links as an int, or raise BadInput."""
-    if isinstance(links, SupportsIndex) and not isinstance(links, bool):
-        with suppress(TypeError):  # an array is no index, though it has the method
-            links = links.__index__()
-    return check_whole("links", links, 2, MAX_LINKS)
+check_links = partial(check_whole, "links", low=2, high=MAX_LINKS)
 
 
 def frame_us(joints: int) -> int:

@@ -32,7 +32,7 @@ EXACT_LINKS = 60  # above it modes have a bound that holds for any shape: exact 
 def _shapes(robot: Robot, gait: Gait) -> Array:
     """Return the links' angles of a robot in the shapes of a gait at eight phases, (8, n)."""
     phases = np.linspace(0.0, math.pi, 8, endpoint=False)
-    bends = joint_motion(gait, robot.links - 1, phases / gait.omega_rad_s).angle_rad
+    bends = joint_motion(gait, robot.links - 1, phases / gait.omega_rad_s)[0]
     return np.pad(bends.cumsum(axis=1), ((0, 0), (1, 0)))
 
 

@@ -164,7 +164,7 @@ def test_help_tells_every_command_in_full() -> None:
     told = serpenoid("--help").stdout
     assert set(re.findall(r"^  ([a-z]+)  ", told, re.MULTILINE)) == set(cli.commands)
     assert "..." not in told.partition("See it work")[2]
-    assert "(Eqs. 58-62)" in " ".join(told.split())
+    assert "(equations 58 to 62)" in " ".join(told.split())
 
 
 def test_help_imports_nothing_slow() -> None:

@@ -50,7 +50,7 @@ def fit(
     verbose: bool,
     as_json: bool,
 ) -> None:
-    """Fit friction to a session's readings: stations (Eqs. 58-62) and pushes.
+    """Fit friction to a session's readings: stations (equations 58 to 62) and pushes.
 
     Gait runs stay out: `compare` tests predictions by them.
 
