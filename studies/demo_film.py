@@ -17,7 +17,7 @@ import serpenoid as sn
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "host"))
 from serpenoid.lab.robot import LabRobot
 from video.filming import Body, Lens
-from video.lab_world import Servos, crawled, set_points
+from video.lab_world import Servos, setpoints, simulated_world
 from video.worlds import World, shoot
 
 FOLDER = Path(__file__).parent.parent / "calibration_data" / "demo-film"
@@ -34,7 +34,7 @@ def world() -> World:
     whole_robot = LabRobot.whole_body(sn.Robot(6, 0.0756, 0.076), sn.Ground(0.084, 1.2, 0.14, 0.27))
     robot = whole_robot.drawn(rng, math.radians(1.5), 0.1)
     servos = Servos(rng.uniform(0.02, 0.035, 5), rng.uniform(0.9, 0.97, 5))
-    return crawled(robot, servos, GAIT, set_points(GAIT, 8.0))
+    return simulated_world(robot, servos, GAIT, setpoints(GAIT, 8.0))
 
 
 def truth(film_world: World) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What the documents tell a reader to type: commands in code blocks and backticks, and Python."""
+"""Commands and Python code that the pages show: in code blocks and in backticks."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def blocks(page: Path, kind: str) -> list[str]:
 
 
 def typed(page: Path) -> Iterator[str]:
-    """Yield the command lines `serpenoid ...` in a page's code blocks, comments taken off."""
+    """Yield the command lines `serpenoid ...` in a page's code blocks, without comments."""
     text = page.read_text()
     commands = [body.replace("\\\n", " ") for body in blocks(page, "console")]
     console = [line for body in commands for line in body.splitlines()]
@@ -40,18 +40,18 @@ def typed(page: Path) -> Iterator[str]:
 
 
 def mentioned(text: str) -> list[str]:
-    """Return what stands in backticks and begins with `serpenoid `."""
+    """Return the texts in backticks that begin with `serpenoid `."""
     return [" ".join(line.split()) for line in re.findall(r"`(serpenoid [a-z][^`]*)`", text)]
 
 
 def unknown(line: str) -> str | None:
-    """Say what the command line does not have: a command, or an option."""
+    """Return a message on a command or option that does not exist, or None."""
     command: click.Command = cli
     words = shlex.split(line.split("|", maxsplit=1)[0])[1:]
     while words and isinstance(command, click.Group):
         name = words.pop(0)
         if name.startswith("-") or not name.isalpha() or not name.islower():
-            return None  # of the group itself, or a place for a name
+            return None  # an option of the group, or a placeholder
         if name not in command.commands:
             return f"no command {name!r} in {line!r}"
         command = command.commands[name]

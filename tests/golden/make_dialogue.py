@@ -1,9 +1,9 @@
-"""Write dialogue.txt: one conversation of host and board, byte for byte, as PROTOCOL.md has it.
+"""Write dialogue.txt: every byte of a conversation of host and board that follows PROTOCOL.md.
 
-The answers are written by hand here; only numbers, CRCs and the texts of errors are filled in.
-`say` is a person's line, `ask N` a host's, `raw` bytes without a line end; what follows an answer's
-colon is what PROTOCOL.md promises. In dialogue.txt: `>` bytes to the board, `<` a line from it,
-`~` seconds that pass; \\n, \\xHH are single bytes.
+The answers are written here by hand; line numbers, CRCs and texts of errors are filled in.
+`say` is a line of a person, `ask N` one of a host, `raw` bytes without a line end, `wait` seconds.
+In dialogue.txt, `>` means bytes to the board, `<` a line from it, `~` seconds; \\n and \\xHH are
+single bytes.
 """
 
 from __future__ import annotations
@@ -465,7 +465,7 @@ def sealed(body: str) -> str:
 
 
 def answer(body: str) -> str:
-    """Return a line of the board; an error gets its cause and cure from PROTOCOL.md's table."""
+    """Return a line of the board; an error has cause and cure from the table of PROTOCOL.md."""
     if body.startswith("err: "):
         body += f" - {ERRORS[body.split()[2]]}"
     return sealed(body)
@@ -476,14 +476,14 @@ def step(line: str) -> str:
     word, _, fields = line.partition(" ")
     if word in ("", "#"):
         return line
-    written = {
+    sent = {
         "say": lambda: f"> {fields}\\n",
         "seal": lambda: f"> {sealed(fields)}\\n",
         "ask": lambda: f"> {sealed('#' + fields)}\\n",
         "raw": lambda: f"> {fields}",
         "wait": lambda: f"~ {fields}",
     }
-    return written[word]() if word in written else f"< {answer(line)}"
+    return sent[word]() if word in sent else f"< {answer(line)}"
 
 
 def dialogue_text() -> str:

@@ -1,4 +1,4 @@
-"""`serpenoid simulate`: options, scene files and both; what it answers, writes and draws."""
+"""`serpenoid simulate`: options, scene files, answer, output files and refusals."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from robots import PAPER, VISCOUS, gait_in_deg
 
 GAIT = "simulate --alpha-deg 30 --beta-deg 80 --omega-rad-s 5"
 SHORT = f"{GAIT} --robot paper --duration-s 0.2"
-# Every option that fixes the scene, but the two other drives, with what the scene is to have.
+# All options of the scene except other drives: typed value, field of the scene, expected value.
 OPTIONS = {
     "links": ("4", "robot.links", 4),
     "mass_kg": ("2", "robot.link_mass_kg", 0.5),
@@ -56,40 +56,40 @@ def test_every_field_has_its_option(tmp_path: Path) -> None:
         "torque",
         "locked",
     }
-    fields |= {"joint_gain", "joint_shift_rad"}  # of a gait that is wrong: for studies in Python
+    fields |= {"joint_gain", "joint_shift_rad"}  # one value a joint: only in scene files and Python
     for kind in (sn.Scene, sn.Robot, sn.Ground, sn.Gait):
         names = {f.name for f in dataclasses.fields(kind)} - {"robot", "ground", "gait"}
-        names -= {"joint_gain", "joint_shift_rad"}  # a value a joint: scene files and Python
+        names -= {"joint_gain", "joint_shift_rad"}  # as above
         assert names <= fields, kind
     path = tmp_path / "scene.toml"
-    # joints on springs over dry ground have no method that follows a tolerance
+    # The implicit formulation on dry ground has no method with a tolerance.
     viscous = "--set ft0=0 --set fn0=0", ("ct", "ft0", "fn0", "--servo")
     dry = "", ("--method", "tolerance")
-    for ground, left_out in (viscous, dry):
-        options = {name: given for name, given in OPTIONS.items() if name not in left_out}
-        given = " ".join(as_typed(option, value) for option, (value, *_) in options.items())
-        answer(f"simulate {given} {ground} --save-scene {path}")
+    for ground, omitted in (viscous, dry):
+        options = {name: option for name, option in OPTIONS.items() if name not in omitted}
+        line = " ".join(as_typed(option, value) for option, (value, *_) in options.items())
+        answer(f"simulate {line} {ground} --save-scene {path}")
         scene = sn.load_scene(path)
-        for option, (_, name, wanted) in options.items():
-            assert attrgetter(name)(scene) == wanted, option
-        assert scene.drive == ("angle" if "--servo" in left_out else "servo")
+        for option, (_, name, expected) in options.items():
+            assert attrgetter(name)(scene) == expected, option
+        assert scene.drive == ("angle" if "--servo" in omitted else "servo")
 
 
-def test_a_uniform_rod_stays_one_and_a_given_inertia_is_kept(tmp_path: Path) -> None:
+def test_inertia_follows_the_mass_unless_it_is_given(tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
-    for inertia, wanted in ((None, 2 * 0.12**2 / 12), (0.7, 0.7)):
+    for inertia, expected in ((None, 2 * 0.12**2 / 12), (0.7, 0.7)):
         sn.save_scene(
             sn.Scene(sn.Robot(6, 1.0, 0.12, inertia), VISCOUS, sn.Gait(0.5, 1, 5)),
             path,
         )
-        got = answer(f"simulate --scene {path} --set mass_kg=12 --duration-s 0.01")
-        assert got["scene"]["robot"]["link_inertia_kg_m2"] == pytest.approx(wanted, rel=1e-15)
+        result = answer(f"simulate --scene {path} --set mass_kg=12 --duration-s 0.01")
+        assert result["scene"]["robot"]["link_inertia_kg_m2"] == pytest.approx(expected, rel=1e-15)
 
 
-def test_the_answer_is_complete_and_the_files_too(tmp_path: Path) -> None:
+def test_the_answer_and_the_files_hold_the_run(tmp_path: Path) -> None:
     out, figure = tmp_path / "run.csv", tmp_path / "run.png"
     recorded = "--duration-s 2 --set record=joints,friction,energy --set record_every=100"
-    got = answer(f"{SHORT} {recorded} --out {out} --plot {figure}")
+    result = answer(f"{SHORT} {recorded} --out {out} --plot {figure}")
     scene = sn.Scene(
         PAPER,
         VISCOUS,
@@ -99,20 +99,20 @@ def test_the_answer_is_complete_and_the_files_too(tmp_path: Path) -> None:
         record=("joints", "friction", "energy"),
     )
     run = sn.simulate(scene)
-    assert got["steps"] == run.steps == 2000
-    assert got["end"]["vx_m_s"] == run.vx_m_s[-1].tolist()
-    energy = got["energy_at_end"]
-    kept = energy["kinetic_j"] - run.energy_j[0, 0]
-    assert kept == pytest.approx(energy["joint_work_j"] - energy["friction_heat_j"], rel=1e-6)
-    assert got["largest_joint_torque_nm"] == abs(run.joint_torque_nm).max(axis=0).tolist()
-    assert got["warnings"] == []
+    assert result["steps"] == run.steps == 2000
+    assert result["end"]["vx_m_s"] == run.vx_m_s[-1].tolist()
+    energy = result["energy_at_end"]
+    change = energy["kinetic_j"] - run.energy_j[0, 0]
+    assert change == pytest.approx(energy["joint_work_j"] - energy["friction_heat_j"], rel=1e-6)
+    assert result["largest_joint_torque_nm"] == abs(run.joint_torque_nm).max(axis=0).tolist()
+    assert result["warnings"] == []
 
     assert len(out.read_text().splitlines()) == 1 + 21
     assert figure.read_bytes()[:4] == b"\x89PNG"
 
 
 @pytest.mark.parametrize(
-    ("line", "said"),
+    ("line", "message"),
     [
         ("simulate --omega-rad-s 5", "give --alpha-deg"),
         (f"{SHORT} --set 'limp=2;3'", "type a number without its unit"),
@@ -125,21 +125,21 @@ def test_the_answer_is_complete_and_the_files_too(tmp_path: Path) -> None:
         (f"{SHORT} --incline-deg 100", "--incline-deg': 100.0 is not in the range"),
     ],
 )
-def test_a_refusal_names_what_was_typed(line: str, said: str) -> None:
-    done = serpenoid(line)
-    assert done.returncode in (1, 2)
-    assert said in done.stderr
+def test_a_refusal_names_the_typed_option(line: str, message: str) -> None:
+    result = serpenoid(line)
+    assert result.returncode in (1, 2)
+    assert message in result.stderr
 
 
-def test_an_accuracy_chooses_the_step_or_says_why_not() -> None:
+def test_an_accuracy_chooses_the_step_or_is_refused_with_a_reason() -> None:
     springs = f"{SHORT} --formulation implicit --method rk4 --accuracy"
-    got = answer(f"{springs} 0.05")
-    assert (got["formulation"], got["method"]) == ("implicit", "rk4")
+    result = answer(f"{springs} 0.05")
+    assert (result["formulation"], result["method"]) == ("implicit", "rk4")
     assert "the springs alone (k = 1000 N/m)" in serpenoid(f"{springs} 1e-6").stderr
 
 
-def test_a_long_run_tells_how_far_it_is_where_nobody_watches(monkeypatch) -> None:
+def test_a_long_run_reports_its_progress(monkeypatch) -> None:
     monkeypatch.setattr("serpenoid.show.screen.REPORT_S", 1e-3)
     line = "simulate --alpha-deg 30 --beta-deg 80 --frequency-hz 1 --duration-s 60 --no-error"
-    told = serpenoid(line).stderr
-    assert "simulating, " in told
+    messages = serpenoid(line).stderr
+    assert "simulating, " in messages

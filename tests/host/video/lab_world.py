@@ -1,7 +1,7 @@
-"""A lab robot before the camera: the firmware's set-points, servos, wheels on a floor, and a pose.
+"""Poses of a robot for rendered films: firmware, imperfect servos, and the floor of the lab.
 
-The virtual board runs the firmware's controller; each joint has a servo with faults of its own;
-the lab's floor moves the body. What is true is taken from the lab's own rows, over whole cycles.
+The virtual board gives the setpoints, servos with lag and gain move the joints, and the lab's floor
+moves the body. The true values are computed from the simulated rows, over whole cycles.
 """
 
 from __future__ import annotations
@@ -17,39 +17,41 @@ from serpenoid.lab.robot import LabRobot
 from serpenoid.robot import RobotBoard as Board
 from video.worlds import LINK_M, World
 
-FRAME_S, STEP_S = 0.02, 0.002  # of the board's set-points, of the joints' rows
-SETTLED_S = 4.0  # the board has blended into the gait, the body has no start left
+FRAME_S, STEP_S = 0.02, 0.002  # intervals of the board's setpoints, and of the joints' rows
+SETTLED_S = 4.0  # time after which the gait and the motion of the body have settled
 
 
 @dataclass(frozen=True)
 class Servos:
-    """How joints follow set-points: lag_s of a first-order loop, limited rate, linkage's gain."""
+    """Servos: time constant of a first-order loop, greatest rate, and gain of the linkage."""
 
     lag_s: np.ndarray
     gain: np.ndarray
     rate_rad_s: float = 6.0
 
-    def angles(self, set_rad: np.ndarray) -> np.ndarray:
-        """Return the joints' angles each STEP_S, from rows of set-points each FRAME_S."""
-        wanted = np.repeat(set_rad, round(FRAME_S / STEP_S), axis=0)
-        phi, rows = wanted[0].copy(), []
-        for row in wanted:
-            rate = np.clip((row - phi) / self.lag_s, -self.rate_rad_s, self.rate_rad_s)
+    def angles(self, setpoint_rad: np.ndarray) -> np.ndarray:
+        """Return the angles of the joints every STEP_S, rad, from setpoints every FRAME_S."""
+        goals = np.repeat(setpoint_rad, round(FRAME_S / STEP_S), axis=0)
+        phi, rows = goals[0].copy(), []
+        for goal in goals:
+            rate = np.clip((goal - phi) / self.lag_s, -self.rate_rad_s, self.rate_rad_s)
             phi = phi + STEP_S * rate
             rows.append(phi)
         return np.array(rows) * self.gain
 
 
-def set_points(gait: sn.Gait, seconds: float, record: Path | None = None) -> np.ndarray:
-    """Return what the firmware in the virtual board asks of its servos, a row each frame."""
+def setpoints(gait: sn.Gait, seconds: float, record: Path | None = None) -> np.ndarray:
+    """Return the setpoints of the virtual board, rad, one row for each frame."""
     with Board("virtual:fast", record=record) as board:
         board.gait(gait)
         return np.array([frame.setpoint_rad for frame in board.frames(seconds)])
 
 
-def crawled(robot: LabRobot, servos: Servos, gait: sn.Gait, set_rad: np.ndarray) -> World:
-    """Return the robot's poses from SETTLED_S on, and what is true of them."""
-    joints = servos.angles(set_rad) + np.array(robot.joint_error_rad)
+def simulated_world(
+    robot: LabRobot, servos: Servos, gait: sn.Gait, setpoint_rad: np.ndarray
+) -> World:
+    """Return the poses of the robot from SETTLED_S on, with the true values."""
+    joints = servos.angles(setpoint_rad) + np.array(robot.joint_error_rad)
     track, phi = Floor(robot).follow(joints, STEP_S)
     skip = round(SETTLED_S / STEP_S)
     phi = phi[skip:]
@@ -65,16 +67,16 @@ def crawled(robot: LabRobot, servos: Servos, gait: sn.Gait, set_rad: np.ndarray)
     cycle = round(gait.period_s / STEP_S)
     cycles = (len(t) - 1) // cycle
     wave = np.exp(-1j * gait.omega_rad_s * t[: cycles * cycle])
-    first = 2j * np.mean(phi[: cycles * cycle] * wave[:, None], axis=0)  # a sine: A e^(i phase)
+    mode = 2j * np.mean(phi[: cycles * cycle] * wave[:, None], axis=0)  # A exp(i phase) of a sine
     ends = np.arange(cycles + 1) * cycle
     turn = (heading[ends[-1]] - heading[0]) / t[ends[-1]]
-    arc = np.sinc(turn * t[cycle] / math.tau)  # chord over arc of a cycle
+    chord_over_arc = np.sinc(turn * t[cycle] / math.tau)  # of the path in a cycle
     chord = np.abs(np.diff(middle[ends])).mean()
 
     columns = np.column_stack([centre.real, centre.imag, theta])
 
-    def pose(at_s: float) -> tuple[np.ndarray, np.ndarray]:
-        row = np.array([np.interp(at_s, t, column) for column in columns.T])
+    def pose(t_s: float) -> tuple[np.ndarray, np.ndarray]:
+        row = np.array([np.interp(t_s, t, column) for column in columns.T])
         x, y, angle = np.split(row, 3)
         return np.column_stack([x, y]), angle
 
@@ -82,9 +84,9 @@ def crawled(robot: LabRobot, servos: Servos, gait: sn.Gait, set_rad: np.ndarray)
         pose,
         robot.body.links,
         gait.omega_rad_s,
-        np.abs(first),
-        np.angle(first),
+        np.abs(mode),
+        np.angle(mode),
         phi[: cycles * cycle].mean(axis=0),
-        float(chord / arc / t[cycle]),
+        float(chord / chord_over_arc / t[cycle]),
         float(turn),
     )
