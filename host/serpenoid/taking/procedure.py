@@ -350,18 +350,18 @@ def _station(session: Session, bend_deg: float) -> Step | None:
     likely, hint = expected_speed(session, bend_deg, incline_deg), ""
     if likely is not None:
         low, high = likely
-        hint = f", about {low:.2f} to {high:.2f} m/s ({3.6 * low:.1f} to {3.6 * high:.1f} km/h)"
+        hint = f", at about {low:.2f} to {high:.2f} m/s ({3.6 * low:.1f} to {3.6 * high:.1f} km/h)"
     say = (
         f"Incline to about {incline_deg:.1f} deg "
         f"({100 * math.tan(math.radians(incline_deg)):.1f} %). Raise the belt until the robot "
-        f"holds its place{hint}, or nearly."
+        f"holds its place, or nearly{hint}."
     )
     if first:
         say += (
-            f" Steeper, if the belt carries it off, or below {MIN_SLIP_M_S:g} m/s. Then let it "
-            "settle, and type the drift, + uphill (m/s), and by how much it turned, + to the left, "
-            "as 0.01 3deg; or of a robot that drifts its places for some 4 s as s:m, "
-            f"{EXAMPLE}, or their table."
+            f" If the belt carries it off, or it holds only below {MIN_SLIP_M_S:g} m/s, make it "
+            "steeper. Let it settle. Then type the drift (m/s, + uphill) and the turn (+ to the "
+            "left), as 0.01 3deg. If it goes on drifting, type its places over some 4 s as s:m, "
+            f"{EXAMPLE}, or the file of their table."
         )
     # A misread first station leads its whole bend astray: straight, a far one is asked about.
     far_deg = 2 * plan.incline_step_deg

@@ -80,7 +80,8 @@ def _present_fit(session: Session) -> str:
     except SerpenoidError as error:
         return f"no fit yet: {str(error).removeprefix(f'{session.where}: ')}"
     values = ", ".join(
-        f"{row.name} {row.value:.3g} ± {row.sigma:.1g} {row.unit}" for row in fit.rows()
+        f"{row.name.removesuffix('_whole')} {row.value:.3g} ± {row.sigma:.1g} {row.unit}"
+        for row in fit.rows()
     )
     return "\n".join([f"so far, whole snake: {values}", fit.chi2_in_words, *fit.alarms])
 
