@@ -1,4 +1,4 @@
-"""Friction of the whole snake fitted to a calibration session (Eqs. 58-62), with honest intervals.
+"""Fit the friction of the whole snake to a calibration session (Eqs. 58-62), with intervals.
 
 On a treadmill inclined by gamma the snake holds its station where, over the whole body of weight
 m g, with a share q of its links turned by lambda to the direction of the belt and the rest along,
@@ -9,12 +9,12 @@ m g, with a share q of its links turned by lambda to the direction of the belt a
 
 q = 1 is Eq. 60, the paper's zigzag; lambda = 0 is Eq. 58. A balanced bend of six links has q = 4/6.
 
-All readings of a session, pushes along a floor among them, make one posterior: the fit's values are
-its MAP estimate, its intervals and covariance those of samples. The paper's own fit is `paper_fit`.
+All readings of a session, with pushes along a floor, give one posterior. The fit's values are its
+MAP estimate; its intervals and covariance come from samples. The paper's own fit is in `paper_fit`.
 
-Scales. The law m g sin(gamma) = A v + B stays the same when a mass k times as large makes every
-friction k times as large, and when a belt k times as fast makes ct and cn k times as small. So no
-station can tell either: their errors are factors of the samples.
+The law m g sin(gamma) = A v + B still holds if mass and all frictions are multiplied by one factor,
+and if the belt's speed is multiplied by a factor and ct and cn divided by it. So stations cannot
+determine the errors of mass and belt speed, which multiply the samples instead.
 """
 
 from __future__ import annotations
@@ -54,8 +54,8 @@ from .result import (
     spread_samples,
 )
 
-USUAL, USUAL_N = (0.084, 1.2, 0.14, 0.27), 4.4484  # friction of the 2005 robot, and its weight
-VISCOUS = np.array([1.0, 1.0, 0.0, 0.0])  # frictions that a belt's scale changes
+USUAL, USUAL_N = (0.084, 1.2, 0.14, 0.27), 4.4484  # Friction of the 2005 robot, and its weight.
+VISCOUS = np.array([1.0, 1.0, 0.0, 0.0])  # 1 for frictions that depend on the belt's scale.
 
 
 def fit_friction(
@@ -69,13 +69,13 @@ def fit_friction(
     Parameters
     ----------
     session
-        What was read.
+        The session with the readings.
     method
-        "joint": errors in variables, all readings at once, no parameter below 0. Sigma is absolute,
-        never rescaled by the scatter: chi2 tells whether the stated uncertainties hold.
-        "naive": the paper's Eq. 61 and two straight lines, of stations alone; sigma is rescaled.
+        "joint": all readings at once, with errors in variables, and no parameter below 0. Sigma is
+        absolute; chi2 shows whether the stated uncertainties hold. "naive": the paper's Eq. 61 and
+        two straight lines through stations; sigma is rescaled by the scatter.
     seed
-        Of the samples.
+        Seed of the samples.
 
     Returns
     -------
@@ -85,9 +85,9 @@ def fit_friction(
     Raises
     ------
     BadInput
-        The readings leave a friction open. It names the friction and the reading that would tell
-        it: fewer than two straight or two bent ones (three if naive), speeds too close to each
-        other, or a bend that its uncertainty could undo.
+        If the readings do not determine a friction: there are fewer than two straight or two bent
+        ones (three if naive), their speeds are too close to each other, or the bend is too small
+        for its uncertainty. The message names the friction and the reading to take.
 
     Examples
     --------
@@ -128,7 +128,7 @@ def fit_friction(
 def posterior_of(session: Session, slipping: bool = True) -> Posterior:
     """Return the posterior of a session's kept stations and pushes.
 
-    slipping: whether robots without a straight link slip sideways, or roll as if they were guided.
+    slipping: whether the model lets robots without a straight link slip sideways.
     """
     kinds: list[Any] = []
     roundings_rad = np.empty((1, 0))
@@ -146,9 +146,10 @@ def posterior_of(session: Session, slipping: bool = True) -> Posterior:
 
 
 def map_estimate(session: Session) -> MapEstimate:
-    """Return the MAP estimate of a session's readings. Raises NotConverged.
+    """Return the MAP estimate of a session's readings; raises NotConverged.
 
-    It is sought from usual frictions; where robots slip, from the estimate without that.
+    The search starts from the 2005 robot's friction, or, if robots may slip sideways, from the
+    estimate without slip.
     """
     posterior = posterior_of(session)
     start = posterior.start(np.array(USUAL) * session.setup.weight_n / USUAL_N)
@@ -158,10 +159,10 @@ def map_estimate(session: Session) -> MapEstimate:
 
 
 def covariance_after(session: Session, estimate: MapEstimate) -> Floats:
-    """Return the frictions' covariance (4, 4) that a session's readings leave, by their slopes.
+    """Return the covariance (4, 4) of the frictions given a session's readings, linearised.
 
-    Belt and mass are in it. estimate: where, of all or some of the readings; coordinates that it
-    does not have are as before them.
+    It contains the errors of belt and mass. estimate: the point of the linearisation, from all or
+    some of the readings; parameters that it lacks are at their prior mean.
     """
     posterior = posterior_of(session)
     coordinates = dict(zip(estimate.posterior.names, estimate.x.tolist(), strict=True))
@@ -174,20 +175,20 @@ def covariance_after(session: Session, estimate: MapEstimate) -> Floats:
 
 
 def _refit(estimate: MapEstimate, omitted: Rows) -> MapEstimate | None:
-    """Return the estimate without some residuals; None where the others leave a parameter open."""
+    """Return the estimate without some residuals; None if the others do not determine it."""
     with suppress(NotConverged):
         return estimate.without(omitted)
     return None
 
 
 def _scale_sigmas(session: Session, posterior: Posterior) -> tuple[float, float]:
-    """Return the relative errors of belt and mass that are no parameters."""
+    """Return the relative sigmas of belt and mass, where they are not parameters of the fit."""
     belt = session.belt_scale[1] if session.kept_stations and BELT not in posterior.names else 0.0
     return belt, session.setup.mass_sigma
 
 
 def _scaled(session: Session, posterior: Posterior, samples: Samples, seed: int) -> Samples:
-    """Return samples whose frictions have the errors of belt and mass in them, log-normal ones."""
+    """Return the samples with log-normal errors of belt and mass multiplied into the frictions."""
     belt, mass = np.random.default_rng([seed, 2]).normal(size=(2, len(samples.x), 1))
     belt_sigma, mass_sigma = _scale_sigmas(session, posterior)
     factors = np.exp(mass_sigma * mass - belt_sigma * VISCOUS * belt)
@@ -220,9 +221,9 @@ def _joint(session: Session, estimate: MapEstimate, seed: int) -> FrictionFit:
 
 
 def _beside_limits(covariance: Floats, values: Floats, ends: Floats) -> Floats:
-    """Return a covariance that agrees with intervals which end at the limit of 0.
+    """Return the covariance, reduced for frictions whose intervals end at the limit of 0.
 
-    Where one does, sigma shrinks so that value + 1.96 sigma is the interval's upper end.
+    Their sigma is at most such that value + 1.96 sigma is the interval's upper end.
     """
     from scipy.special import ndtri
 
@@ -233,7 +234,7 @@ def _beside_limits(covariance: Floats, values: Floats, ends: Floats) -> Floats:
 
 
 def _nuisances(estimate: MapEstimate, samples: Samples) -> MappingProxyType[str, Estimate]:
-    """Return what the readings share, by name."""
+    """Return the estimates of the errors that readings share, by name."""
     sampled, nuisances = estimate.posterior.by_name(samples.x), dict[str, Estimate]()
     for name, value in estimate.values.items():
         hidden = (*FRICTIONS, COMMON_ERROR, STRAIGHTNESS)
@@ -247,7 +248,7 @@ def _nuisances(estimate: MapEstimate, samples: Samples) -> MappingProxyType[str,
 def _influences(
     fit: FrictionFit, refits: Mapping[str, MapEstimate | None]
 ) -> tuple[Influence, ...]:
-    """Return what each reading does to a fit."""
+    """Return the influence of each reading: chi2 and shift of the frictions without it."""
     sigma = np.maximum(np.sqrt(np.diag(fit.covariance)), 1e-12)
     influences = []
     for words, refit in refits.items():

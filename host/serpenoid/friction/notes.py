@@ -1,4 +1,4 @@
-"""What readings leave open, and what a reader of a fit should know: refusals, alarms, notes."""
+"""Refuse readings that do not determine friction, and write a fit's alarms and notes."""
 
 from __future__ import annotations
 
@@ -19,30 +19,31 @@ from .result import DOUBTFUL, NO_ZERO, NOT_WEIGHED, FrictionFit
 if TYPE_CHECKING:
     from .stations import Stations
 
-APART_CHI2 = 2 * math.log(10.0)  # one suspect is then ten times as likely as another
-MOVED_SIGMAS = 2.0  # difference of two zeros, in its sigma, beyond which a note says so
-MIN_FILMS = 3  # fewest films of one place that tell which of them went the other way
-NEGATIVE_SIGMAS = 3.0  # distance below 0 that makes a friction an alarm
-WEAK = 0.25  # relative standard deviation of a friction that is known only roughly
+APART_CHI2 = 2 * math.log(10.0)  # Difference of chi2 for a likelihood ratio of ten.
+MOVED_SIGMAS = 2.0  # Difference of two zeros, in its sigma, above which a note is written.
+MIN_FILMS = 3  # Fewest films of one place from which a wrong direction is found.
+NEGATIVE_SIGMAS = 3.0  # Distance of a friction below 0, in its sigma, that is an alarm.
+WEAK = 0.25  # Relative sigma above which a friction is known only roughly.
 ADVISED_LAMBDA_DEG = 15.0
-# Below the first a bend is refused: sin^2 of it is no longer a number with an error but a guess.
-# Below the second cn is biased by 3 (sigma / lambda)^2 or more, 3 %, and none is advised.
+# Smallest bends, in their sigma, that are accepted, and that are advised. Below the first, sin^2 of
+# the bend is unknown; below the second, cn is biased by 3 (sigma / lambda)^2, more than 3 %.
 MIN_BEND_SIGMAS, SAFE_BEND_SIGMAS = 5.0, 10.0
-# Between the slowest and the fastest reading. With less the noise of the speeds alone could draw
-# the line, and no interval from a linearised fit would be honest.
+# Smallest range of the speeds, in their sigma. With less, noise could determine the line, and the
+# intervals of a linearised fit would be too narrow.
 MIN_SPAN_SIGMAS = 4.0
-OPEN = 0.5  # relative error of all the force there is, above which a friction is not told
-WEAK_PRIOR = 1e-6  # information that leaves an open friction a vast error
+OPEN = 0.5  # Sigma of a friction's force over all force, above which it is not determined.
+WEAK_PRIOR = 1e-6  # Information of a prior that gives undetermined frictions a huge sigma.
 # Pushes that determine the frictions along the wheels, and those across.
 STRAIGHT_PUSHES = "pushes of the straight robot at 0.9 m/s, both ways, filmed"
 BENT_PUSHES = "pushes in the balanced bend of 42 degrees, both ways, filmed"
-READING = "reading "  # begins the names of suspects that are readings
+READING = "reading "  # Start of the names of suspects that are readings.
 
 
 def check_readings(session: Session, stations: Stations, min_count: int) -> None:
-    """Raise BadInput if stations leave a friction open; min_count: readings that a part needs.
+    """Raise BadInput if stations do not determine a friction.
 
-    Speeds count along the line that they are to tell, which for bent readings is across the wheels.
+    min_count: fewest straight, and fewest bent, readings. The range of bent readings' speeds counts
+    across the wheels.
     """
     sigma_rad = session.setup.instruments.lambda_sigma_rad
     advised_deg = max(ADVISED_LAMBDA_DEG, math.ceil(math.degrees(sigma_rad) * SAFE_BEND_SIGMAS))
@@ -172,7 +173,7 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
 
 
 def _weak_notes(fit: FrictionFit) -> list[str]:
-    """Return which frictions are known only roughly."""
+    """Return notes on frictions that are known only roughly."""
     notes, weak = [], []
     for name, (value, sigma) in zip(fit.whole_snake, fit.parameters.values(), strict=True):
         if value == 0.0:
@@ -188,7 +189,7 @@ def _weak_notes(fit: FrictionFit) -> list[str]:
 
 
 def _floor_notes(session: Session) -> list[str]:
-    """Return what pushes leave open, and what was odd about them."""
+    """Return notes on what pushes do not determine, and on doubtful ones."""
     notes = []
     if odd := _turned_round(session):
         notes.append(
@@ -218,9 +219,9 @@ def _floor_notes(session: Session) -> list[str]:
 
 
 def _turned_round(session: Session) -> list[int]:
-    """Return the filmed pushes that go the other way in the picture than their word says.
+    """Return the numbers of filmed pushes whose direction contradicts most others of their place.
 
-    By the most of a place: a camera that stays shows "there" and "back" in opposite directions.
+    A camera that is not moved shows "there" and "back" in opposite directions.
     """
     films = [push for push in session.kept_pushes if push.source == "film"]
     turned: list[int] = []
@@ -236,15 +237,15 @@ def _turned_round(session: Session) -> list[int]:
 
 
 def _against_the_law(stations: Any, estimate: MapEstimate) -> list[str]:
-    """Say where friction falls with speed, or a bent robot has less of it than a straight one.
+    """Return alarms if friction falls with speed, or is less for a bent robot than a straight one.
 
-    By one linear step from the MAP estimate, which no limit of 0 ends.
+    The frictions are those of one Gauss-Newton step from the MAP estimate, without limits.
     """
     covariance = estimate.covariance
     free = estimate.x - covariance @ estimate.slopes.T @ estimate.residuals
 
     def negative(*terms: float) -> str:
-        """Return the sum of ct, cn, ft0, fn0 times terms in words, if it is surely below 0."""
+        """Return terms times (ct, cn, ft0, fn0) in words if the sum is significantly below 0."""
         value = float(free[:4] @ terms)
         sigma = math.sqrt(terms @ covariance[:4, :4] @ terms)
         return f"{value:.2g} ± {sigma:.1g} N" if value < -NEGATIVE_SIGMAS * sigma else ""
@@ -265,7 +266,7 @@ def _against_the_law(stations: Any, estimate: MapEstimate) -> list[str]:
 
 
 def suspects(session: Session, estimate: MapEstimate) -> dict[str, Rows]:
-    """Return residuals that may be wrong together: of readings, then files, bends, the zero."""
+    """Return masks of residuals that may be wrong together: of readings, files, bends, the zero."""
     posterior = estimate.posterior
     rows = {f"{READING}{number}": posterior.numbers == number for number in posterior.readings}
     files: dict[str, list[int]] = {}
@@ -287,10 +288,10 @@ def suspects(session: Session, estimate: MapEstimate) -> dict[str, Rows]:
 
 
 def _suspects_in_words(estimate: MapEstimate, refits: Mapping[str, MapEstimate | None]) -> str:
-    """Name what to look at first: without it the readings disagree least.
+    """Return a sentence on the suspects without which chi2 is smallest.
 
-    Residuals would mislead, for a line follows its outlier. A suspect is one without which the
-    others still tell every friction.
+    Residuals would mislead, since a line follows its outlier. Only suspects without which the other
+    readings still determine all frictions are compared.
     """
     sound = {words: refit for words, refit in refits.items() if refit}
     if not sound:

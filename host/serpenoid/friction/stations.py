@@ -1,14 +1,15 @@
-"""Stations on a belt: readings of one force balance each, with the errors that they share.
+"""Residuals of stations on a belt, each a balance of forces, with the errors that they share.
 
 A robot that holds its station at slip v has m g sin(gamma) = A v + B. The true speed of each
-reading is solved for by hand (errors in variables); what is left is the distance to the line,
+reading is eliminated in closed form (errors in variables), which leaves the residuals
 
     r_i = (m g sin(gamma_i - z) - A v_i - B) / s_i,
     s_i^2 = (m g cos(gamma_i - z) sg)^2 + (A sv)^2.
 
-A robot that still drifted when it was read has -m_e f of its track instead of A v (`drift`), and
-the track's error in s_i. Shared are the bends' errors, the inclinometer's zero z, its roundings
-(`rounding`), the scale of the belt's speed, and links off their path (`bends`).
+where sg and sv are the standard deviations of incline and speed. For a robot that still drifted,
+-m_e f from its track replaces A v (`drift`), and s_i contains the track's error. Readings share the
+bends' errors, the inclinometer's zero z, its rounding errors (`rounding`), the scale of the belt's
+speed, and the angles of straight links to their path (`bends`).
 """
 
 from __future__ import annotations
@@ -37,19 +38,21 @@ from .rounding import shared_rounding
 if TYPE_CHECKING:
     from .drift import Drift
 
-MIN_SIGMA_N = 1e-12  # least sigma of a reading, where frictions are 0 and nothing else errs
+MIN_SIGMA_N = 1e-12  # Smallest sigma of a force, for readings without any error.
 
 
 @dataclass(frozen=True, eq=False)
 class Stations:
     """The kept stations of a session.
 
-    incline_rad (as shown, less the zero where that was measured), slip_m_s, incline_sigma_rad (what
-    is a reading's alone): per reading. rounding: per reading, which of the shared rounding errors
-    its incline has; -1 where that is its alone. rounding_samples: of these errors, rad, (N,
-    errors).
-    drifts: by its index, of each reading that drifted. belt_sigma: relative, of the belt's scale,
-    where pushes beside the stations tell it; else 0.
+    For each of N readings, (N,): numbers; incline_rad as shown, less the zero if it was measured;
+    slip_m_s, the belt's speed past the robot; incline_sigma_rad, of the errors that are not shared;
+    rounding, index of the shared rounding error, -1 for none; inertia_n and inertia_sigma_n, force
+    of inertia of a drifting robot and its sigma.
+
+    speed_sigma_m_s: sigma of a speed. rounding_samples: samples of the shared rounding errors, rad,
+    (samples, errors). drifts: index of a reading -> its drift. belt_sigma: relative sigma of the
+    belt's scale if it is a parameter, with pushes beside the stations; else 0.
     """
 
     numbers: Integers
@@ -69,7 +72,7 @@ class Stations:
 
     @classmethod
     def from_session(cls, session: Session) -> Stations:
-        """Take a session's kept stations."""
+        """Return the kept stations of a session."""
         instruments, zero = session.setup.instruments, session.zero
         kept_stations = session.kept_stations
         belt, belt_sigma = session.belt_scale
@@ -106,11 +109,11 @@ class Stations:
         )
 
     on_belt = True
-    slips = False  # robots on a belt are steered
+    slips = False  # Robots on a belt are steered.
 
     @property
     def fastest_m_s(self) -> float:
-        """Return the largest slip."""
+        """Return the largest slip speed, m/s."""
         return float(self.slip_m_s.max())
 
     def __len__(self) -> int:
@@ -118,22 +121,22 @@ class Stations:
 
     @property
     def lambda_rad(self) -> Floats:
-        """Return the bend of each reading, as set."""
+        """Return the bend of each reading as set, rad, (N,)."""
         return self.bends.lambda_rad
 
     @property
     def bent(self) -> NDArray[np.bool_]:
-        """Tell which readings were taken with the robot bent."""
+        """Return whether each reading was taken with the robot bent, (N,)."""
         return self.bends.posture >= 0
 
     @property
     def parts(self) -> dict[str, NDArray[np.bool_]]:
-        """Return which readings are straight, and bent."""
+        """Return masks (N,) of the straight and of the bent readings."""
         return {"straight": ~self.bent, "bent": self.bent}
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Return the frictions, then what readings share."""
+        """Return the parameters: the frictions, then the errors that readings share."""
         belt = (Parameter(BELT, 1.0, self.belt_sigma),) if self.belt_sigma else ()
         roundings = [
             Parameter(f"{ROUNDING}{k}", sigma=sigma)
@@ -143,32 +146,32 @@ class Stations:
         return (*FRICTION_PARAMETERS, zero, *belt, *self.bends.parameters, *roundings)
 
     def linear_about(self, values: Values) -> Stations:
-        """Return itself: nothing in it is made linear."""
+        """Return the stations themselves, which need no linearisation."""
         return self
 
     def residuals(self, values: Values) -> Floats:
-        """Return r_i (K, N): see the head of this file."""
+        """Return the residuals r_i (K, N) of parameter values (K,)."""
         count = self.rounding_samples.shape[1]
         errors = [values[f"{ROUNDING}{k}"] for k in range(count)]
-        errors.append(np.zeros(1))  # error of readings whose rounding is their own: -1
+        errors.append(np.zeros(1))  # Readings of index -1 share no error.
         shared = np.stack(np.broadcast_arrays(*errors), axis=1)[:, self.rounding]
         excess, spread, _ = self._balance(values, shared)
         return np.asarray(excess / spread)
 
     def sizes(self, values: Values) -> Floats:
-        """Return residuals (N,) at values (1,), over all that errs, the shared rounding too."""
+        """Return residuals (N,) at values (1,), over sigmas that contain the shared rounding."""
         excess, spread, per_incline = self._balance(values, 0.0)
         return np.asarray(excess / np.hypot(spread, per_incline * self.shared_sigma_rad))[0]
 
     @property
     def shared_sigma_rad(self) -> Floats:
-        """Return the standard deviation of each reading's shared rounding; 0 where it has none."""
+        """Return the sigma of each reading's shared rounding error, rad, (N,); 0 if it has none."""
         return np.append(self.rounding_samples.std(axis=0), 0.0)[self.rounding]
 
     def _balance(
         self, values: Values, rounding_rad: Floats | float
     ) -> tuple[Floats, Floats, Floats]:
-        """Return excess force, its standard deviation, and its slope by the incline, (K, N), N."""
+        """Return excess force and its sigma, N, and its derivative by incline, N/rad, (K, N)."""
         bends, angles = self.bends, self.bends.angles_rad(values)
         law = frictions_in(values), bends.share, angles, bends.astray_rad(values)
         viscous, dry = resistance(*law)

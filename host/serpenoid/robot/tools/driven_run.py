@@ -1,4 +1,4 @@
-"""Drive one gait, watch every frame, and sum the run up."""
+"""Drive one gait on a robot, watch every frame, and summarise the run."""
 
 from __future__ import annotations
 
@@ -19,13 +19,14 @@ if TYPE_CHECKING:
 
 @dataclass(kw_only=True)
 class Summary(Losses):
-    """The summary of a run, with what did not arrive whole.
+    """The summary of a run, with its losses of data.
 
-    frames: that were looked at. latest_us: the
-    latest frame. clipped_frames: in which a joint was held back at a limit or at the servos'
-    speed, and missed the gait. drift_ppm: board's clock against this computer's, with its s.d.
-    frequency_hz: of the settled gait in this computer's seconds, with its s.d.; None where the
-    board's clock is unbelievable.
+    duration_s: the board's time from the first frame to the last. frames: number of received
+    frames. latest_us: largest delay of a frame. clipped_frames: number of frames in which a limit
+    of a joint or of the servos' speed held a joint back from the gait. drift_ppm, drift_sd_ppm:
+    drift of the board's clock against this computer's, and its standard deviation. frequency_hz,
+    frequency_sd_hz: frequency of the settled gait in this computer's seconds, and its standard
+    deviation; None if the board's clock is implausible. recording: its file, None without one.
     """
 
     board: str
@@ -42,14 +43,15 @@ class Summary(Losses):
 
 
 class DrivenRun:
-    """One gait on one robot: `run` drives it, `summary` may be asked for even if that raised.
+    """One gait on one robot: run() drives it, and summary() works even if run() has raised.
 
-    joints: how many the robot must have, None if any will do.
+    port: as of RobotBoard. record: file of the recording, None for none. joints: number of joints
+    that the robot must have, None for any.
     """
 
     def __init__(self, gait: Gait, port: str | None, record: Path | None, joints: int | None):
         self.gait = gait
-        # A watch that takes longer than 2 s, as on a halted terminal, stops the robot.
+        # The robot stops if a call of watch takes longer than 2 s, as on a halted terminal.
         self.robot = RobotBoard(port, joints=joints, record=record, unattended_s=2.0)
         self.first: Telemetry | None = None
         self.last: Telemetry | None = None
@@ -59,15 +61,15 @@ class DrivenRun:
         self._record = record
 
     def run(self, duration_s: float | None, watch: Callable[[DrivenRun], None]) -> None:
-        """Drive for a time or without end, calling watch after every frame.
+        """Drive for duration_s, or without end if it is None; watch is called after every frame.
 
-        Raises what RobotBoard raises, FramesMissing if too few frames came, ClockWrong if the
-        board's clock cannot be believed; whatever happens the robot is stopped first.
+        The robot is stopped before any error is raised: those of RobotBoard, FramesMissing if many
+        frames were lost, ClockWrong if the board's clock is implausible.
         """
         with self.robot as robot:
-            robot.set("every", 1)  # until the board's next reset, as its silence: nothing is saved
+            robot.set("every", 1)  # Like silence, until the board's next reset: it is not saved.
             if not robot.settings()["silence"]:
-                robot.set("silence", 2.0)  # the board stops if this program dies
+                robot.set("silence", 2.0)  # The board stops if this program dies.
             robot.gait(self.gait)
             for frame in robot.frames(duration_s):
                 self._count(frame)
@@ -77,16 +79,16 @@ class DrivenRun:
 
     @property
     def elapsed_s(self) -> float:
-        """Return the board's time from the first frame to the last."""
+        """Return the board's time from the first frame to the last, s."""
         if self.first is None or self.last is None:
             return 0.0
         count = (self.last.frame - self.first.frame) & 0xFFFFFFFF
         return 1e-6 * self.robot.hello.frame_us * count
 
     def frequency(self) -> tuple[float, float] | tuple[None, None]:
-        """Return the settled gait's frequency in this computer's seconds, in Hz, and its s.d.
+        """Return the settled gait's frequency, Hz, by this computer's clock, and its sigma.
 
-        (None, None) if the board's clock cannot be believed.
+        Both are None if the board's clock is implausible.
         """
         drift = self.robot.clock
         if not drift.believable:
@@ -95,7 +97,7 @@ class DrivenRun:
         return rate / math.tau, sd / math.tau
 
     def summary(self) -> Summary | None:
-        """Sum up what came so far; None if no frame came."""
+        """Return the summary of the frames so far; None if there is none."""
         if self.last is None:
             return None
         hello, drift = self.robot.hello, self.robot.clock
@@ -116,12 +118,12 @@ class DrivenRun:
         )
 
     def _check_frames(self, duration_s: float) -> None:
-        """Raise FramesMissing if many of a time's frames did not come, the last ones too."""
-        # A busy computer may not have taken in the frames of the last 0.3 s.
+        """Raise FramesMissing if more than a tenth of the frames of a duration were lost."""
+        # A busy computer may not have read the frames of the last 0.3 s yet.
         due = (duration_s - 0.3) * 1e6 / self.robot.hello.frame_us
         came = self.frames + self.robot.losses.unread_frames
         missed = max(self.robot.losses.missed_frames, math.ceil(due) - came)
-        if missed >= 0.1 * (came + missed):  # of such a run little can be said
+        if missed >= 0.1 * (came + missed):
             raise FramesMissing(
                 f"{came} frames came and {missed} did not; use a shorter or better USB "
                 "cable, and no hub; `serpenoid doctor` counts what is lost"
