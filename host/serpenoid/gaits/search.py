@@ -359,19 +359,11 @@ class Search:
         if points[0].gait is None:
             points[0] = replace(points[0], gait=start.gait, state=start.state)
 
-        def price(shape: Array) -> float:
-            neighbour = min(
-                (point for point in points if point.gait is not None),
-                key=lambda point: math.dist(point.log_shape, shape),
-            )
-            points.append(self.point(shape, neighbour, rtol))
-            return points[-1].price
-
         steps = np.full(2, size)
         beyond = (start.log_shape + steps > high) | (start.log_shape + steps < low)
         steps[beyond] *= -1
         minimize(
-            price,
+            lambda shape: self._joined(points, shape, rtol).price,
             start.log_shape,
             method="Nelder-Mead",
             bounds=list(zip(low, high, strict=True)),
@@ -384,6 +376,14 @@ class Search:
         )
         return min(points, key=lambda point: point.price)
 
+    def _joined(self, points: list[Point], shape: Array, rtol: float) -> Point:
+        """Return a shape's point, found from the nearest of some points, which it joins."""
+        neighbour = min(points, key=lambda point: math.dist(point.log_shape, shape))
+        point = self.point(np.clip(shape, *self.bounds), neighbour, rtol)
+        if point.gait is not None:
+            points.append(point)
+        return point
+
     def along_limit(self, margin: str, start: Point, size: float, rtol: float) -> Point:
         """Return the lowest point on the limit that a start has reached, near it.
 
@@ -395,14 +395,8 @@ class Search:
         points = [start]
         probe = 1e-3  # E-folds of shape between two margins that give the limit's direction.
 
-        def point(shape: Array) -> Point:
-            neighbour = min(points, key=lambda end: math.dist(end.log_shape, shape))
-            end = self.point(np.clip(shape, *self.bounds), neighbour, rtol)
-            if end.gait is not None:
-                points.append(end)
-            return end
-
-        margins = [getattr(point(start.log_shape + probe * axis), margin) for axis in np.eye(2)]
+        shapes = start.log_shape + probe * np.eye(2)
+        margins = [getattr(self._joined(points, shape, rtol), margin) for shape in shapes]
         gradient = (np.array(margins) - getattr(start, margin)) / probe
         steepness = float(np.hypot(*gradient))
         if not 0 < steepness < math.inf:
@@ -414,7 +408,7 @@ class Search:
             shape = start.log_shape + along * tangent
             best = math.inf
             for _ in range(4):
-                end = point(shape)
+                end = self._joined(points, shape, rtol)
                 best = min(best, end.price)
                 if abs(getattr(end, margin)) < ON_LIMIT:
                     break

@@ -73,7 +73,7 @@ def refusals(path: Path) -> Iterator[None]:
         yield
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from error
-    except (np.linalg.LinAlgError, FloatingPointError) as error:
+    except np.linalg.LinAlgError as error:
         raise BadInput(
             f"{path}: the tags fit no camera ({error}); are they flat, matt and well lit, and is "
             "the whole robot in the picture?"
@@ -93,7 +93,6 @@ def seen_film(
     Arguments as of `measure_film`. Raises BadInput: it shows no robot.
     """
     check_number("links", links, 2, MOST_LINKS)
-    check_number("link_m", link_m, 0.005, 3.0)
     side = tag_side_m(link_m) if side_m is None else check_number("side_m", side_m, 0.003, link_m)
     watched = watch(Film.open(path, capture_fps), links, progress)
     with refusals(path):
