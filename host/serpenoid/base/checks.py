@@ -29,7 +29,6 @@ def check_number(
     value: object,
     low: float = -math.inf,
     high: float = math.inf,
-    *,
     open_low: bool = False,
 ) -> float:
     """Return value as a float, or raise BadInput naming it and the range it must be in.
@@ -56,10 +55,6 @@ class Limits(NamedTuple):
     high: float = math.inf
     open_low: bool = False
 
-    def check(self, name: str, value: object) -> float:
-        """Return value as a float, or raise BadInput naming it and the range it must be in."""
-        return check_number(name, value, self.low, self.high, open_low=self.open_low)
-
 
 POSITIVE, NOT_NEGATIVE = Limits(0.0, open_low=True), Limits(0.0)
 
@@ -67,7 +62,7 @@ POSITIVE, NOT_NEGATIVE = Limits(0.0, open_low=True), Limits(0.0)
 def check_fields(part: object, table: Mapping[str, Limits]) -> None:
     """Hold a frozen dataclass's fields as floats, each within its limits, or raise BadInput."""
     for name, limits in table.items():
-        object.__setattr__(part, name, limits.check(name, getattr(part, name)))
+        object.__setattr__(part, name, check_number(name, getattr(part, name), *limits))
 
 
 def _as_float(value: object) -> float | None:

@@ -66,9 +66,8 @@ class Result:
         return ""
 
     def rows(self) -> list[Row]:
-        """Return the rows, the most important first; by default one for each field."""
-        names: tuple[str, ...] = getattr(self, "__match_args__", ())
-        return [Row(name, "", getattr(self, name)) for name in names]
+        """Return the numbers, most wanted first; none where the sentence says all."""
+        return []
 
     def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
         """Return heads and cells of the table; rows of details only if verbose."""
@@ -81,7 +80,9 @@ class Result:
         from rich.console import Console
 
         text = Console(width=100, file=io.StringIO(), markup=False, emoji=False, highlight=False)
-        text.print(self.in_words(), table("", *self.table()), sep="\n")
+        text.print(self.in_words())
+        if self.table()[1]:
+            text.print(table("", *self.table()))
         return text.file.getvalue().strip()  # type: ignore[attr-defined]
 
 

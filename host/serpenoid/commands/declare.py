@@ -13,7 +13,7 @@ from typing import Any
 
 import click
 
-from ..base.checks import Limits, range_in_words
+from ..base.checks import Limits, check_number, range_in_words
 from ..base.errors import BadInput
 from ..base.toml_table import check_names
 from ..show.screen import say
@@ -120,7 +120,7 @@ class Setting:
         """Return the value of a typed text. Raises BadInput in the setting's name."""
         value = self.read(self.name, text)
         if self.limits and isinstance(value, (int, float)):
-            self.limits.check(self.name, value)
+            check_number(self.name, value, *self.limits)
         return value
 
     @property

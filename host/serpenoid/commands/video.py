@@ -10,7 +10,7 @@ import click
 
 import serpenoid as sn
 
-from ..base.checks import POSITIVE
+from ..base.checks import POSITIVE, check_number
 from ..show.screen import say
 from .declare import (
     EXISTING,
@@ -66,7 +66,7 @@ def _robot(
     base = setup.robot if setup else named_snake("2005").robot
     sizes = chosen(settings, "sizes")
     side_m = setup.robot_table.tag_side_m if setup else None
-    side_m = side_m if tag_mm is None else POSITIVE.check("tag_mm", tag_mm) / 1e3
+    side_m = side_m if tag_mm is None else check_number("tag_mm", tag_mm, *POSITIVE) / 1e3
     return replace(base, **sizes, link_inertia_kg_m2=None), side_m
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from statistics import NormalDist
 from types import MappingProxyType
@@ -343,8 +343,11 @@ class ServoKind:
             As `Servo.at_volts`.
         """
         sigma = {name: value for name, value in self.sigma.items() if name != "supply_v"}
-        drawn = tuple(servo.at_volts(supply_v) for servo in self.drawn)
-        return replace(self, servo=self.servo.at_volts(supply_v), sigma=sigma, drawn=drawn)
+        return replace(self._with_servos(lambda servo: servo.at_volts(supply_v)), sigma=sigma)
+
+    def _with_servos(self, changed: Callable[[Servo], Servo]) -> ServoKind:
+        """Return the kind with the typical and all drawn servos changed."""
+        return replace(self, servo=changed(self.servo), drawn=tuple(map(changed, self.drawn)))
 
     def at_frames(self, frame_s: float) -> ServoKind:
         """Return the kind on a board with another time between setpoints.
@@ -364,8 +367,7 @@ class ServoKind:
         BadInput
             For a time outside of 0 to 0.1 s.
         """
-        drawn = tuple(replace(servo, frame_s=frame_s) for servo in self.drawn)
-        return replace(self, servo=replace(self.servo, frame_s=frame_s), drawn=drawn)
+        return self._with_servos(lambda servo: replace(servo, frame_s=frame_s))
 
     def draws(self, count: int, seed: int = 0) -> list[Servo]:
         """Return servos of this kind, drawn at random.

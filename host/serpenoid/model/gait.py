@@ -105,7 +105,7 @@ class Gait:
         if (hertz is None) == (omega_rad_s is None):
             raise BadInput("a gait has a frequency or a rate; give one of hertz, omega_rad_s")
         if omega_rad_s is None:
-            omega_rad_s = math.tau * POSITIVE.check("hertz", hertz)
+            omega_rad_s = math.tau * check_number("hertz", hertz, *POSITIVE)
         if 0.0 < alpha_deg < math.pi and 0.0 < abs(beta_deg) < math.tau:
             warnings.warn(
                 f"alpha is {alpha_deg:g} degrees and beta {beta_deg:g}; if radians were meant, "
@@ -128,7 +128,9 @@ class Gait:
                 raise BadInput(
                     f"{name} is {values!r}; it must be one value a joint, or () for none"
                 )
-            object.__setattr__(self, name, tuple(limits.check(name, value) for value in values))
+            object.__setattr__(
+                self, name, tuple(check_number(name, value, *limits) for value in values)
+            )
 
     @property
     def period_s(self) -> float:

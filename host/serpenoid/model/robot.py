@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 
-from ..base.checks import POSITIVE, check_fields, check_whole
+from ..base.checks import POSITIVE, check_fields, check_number, check_whole
 
 MAX_LINKS = 100_000
 MAX_DENSITY_KG_M3 = 22_600  # osmium, the densest metal: no link outweighs a cube of it
@@ -99,7 +99,7 @@ class Robot:
         >>> round(robot.link_mass_kg, 4)
         0.0756
         """
-        link_mass_kg = POSITIVE.check("mass_kg", mass_kg) / check_links(links)
+        link_mass_kg = check_number("mass_kg", mass_kg, *POSITIVE) / check_links(links)
         return cls(links, link_mass_kg, link_length_m, link_inertia_kg_m2)
 
     @property

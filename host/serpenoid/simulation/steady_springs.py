@@ -10,7 +10,7 @@ import numpy as np
 
 from ..base.checks import check_number
 from ..base.errors import BadInput, NotConverged
-from ..base.rows import Result, two_digits
+from ..base.rows import Result, Row, detail, two_digits
 from ..base.vectors import Array
 from ..model.gait import Gait
 from ..model.ground import Ground
@@ -77,6 +77,18 @@ class SteadySprings(Result):
         """Return the speed as a builder asks for it."""
         speed = two_digits(self.speed_m_s)
         return f"About {speed} m/s with the implicit model's springs for joints."
+
+    def rows(self) -> list[Row]:
+        """Return speed, powers and errors."""
+        return [
+            Row("speed, joints with springs", "m/s", self.speed_m_s),
+            Row("difference to the exact model", "%", 100 * self.modelling_error),
+            Row("net power", "W", self.power_w),
+            detail("power, each joint's absolute value", "W", self.abs_power_w),
+            detail("power, no regeneration", "W", self.positive_power_w),
+            detail("error of the speed, relative", "", self.error_estimate),
+            detail("cycles until then", "", self.cycles),
+        ]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as plain numbers, for JSON."""

@@ -33,10 +33,11 @@ def grid(betas: int) -> sn.Sweep:
     ],
     ids=["Run", "Sweep over frequency", "Sweep of shapes", "Steady", "FrictionFit", "Comparison"],
 )
-def test_each_result_has_its_figure(result, drawn: str, tmp_path: Path) -> None:
+def test_each_result_is_printed_and_has_its_figure(result, drawn: str, tmp_path: Path) -> None:
     """Every axis has its unit; the picture is sharp, and shows something."""
-    path = tmp_path / "figure.png"
-    axes = result().plot(path).axes
+    path, shown = tmp_path / "figure.png", result()
+    assert str(shown).startswith(shown.in_words()[:80])
+    axes = shown.plot(path).axes
     assert any(drawn in ax.get_title("left") + ax.get_ylabel() for ax in axes)
     for ax in axes:
         labels = [*filter(None, (ax.get_xlabel(), ax.get_ylabel()))]
