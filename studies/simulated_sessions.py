@@ -57,7 +57,7 @@ class MemoryRecord(Journal):
 
     def event(self, event: str, reading: int = 0, detail: str = "") -> None:
         """Keep one event."""
-        events = *self.session.events, Event("", event, reading, detail)
+        events = *self.session.events, Event(event, reading, detail)
         self.session = replace(self.session, events=events)
 
 

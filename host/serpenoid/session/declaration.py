@@ -203,7 +203,6 @@ class Observation(Declared, ABC):
     """A reading; each kind is a dataclass of this whose declared fields are its columns, in SI.
 
     number: from 1, unique in a session. voided: not to be used, for the reason in comment.
-    time_utc: ISO 8601, empty if not recorded.
 
     kind: what readings.csv calls it. fitted: the friction fit rests on it, so that the session's
     hash covers it. columns: of its file of samples (`tracks`), which the attribute `track` holds;
@@ -218,7 +217,6 @@ class Observation(Declared, ABC):
     number: int = 0
     voided: bool = False
     comment: str = field(default="", repr=False)
-    time_utc: str = field(default="", repr=False)
 
     @classmethod
     def questions(cls, *columns: str) -> tuple[Field, ...]:

@@ -114,7 +114,7 @@ def content(row: Row) -> frozenset[tuple[str, str]]:
 def make_reading(row: Row, common: Mapping[str, Any]) -> Any:
     """Return the reading that a row of a known kind holds, of its kind's class; raises BadInput.
 
-    common: number, and where known voided, comment, time_utc and track.
+    common: number, and where known voided, comment and track.
     """
     kind, cells = kind_of(row["kind"]), words_of(row) | {c: text for c, text in row.items() if text}
     values = {
@@ -185,7 +185,6 @@ def read_session(folder: str | Path) -> Session:
             "number": number,
             "voided": number in voided,
             "comment": "; ".join(filter(None, (voided.get(number), row["comment"]))),
-            "time_utc": row["time_utc"],
         }
         with located(row["where"]):
             if number not in voided:
@@ -240,7 +239,7 @@ def read_events(folder: Path, notes: list[str]) -> list[Event]:
         with located(row["where"]):
             event = check_choice("event", row["event"], kinds)
             number = whole_number("reading", row["reading"]) if row["reading"] else 0
-            events.append(Event(row["time_utc"], event, number, row["detail"]))
+            events.append(Event(event, number, row["detail"]))
     return events
 
 

@@ -41,7 +41,6 @@ class Zero(NamedTuple):
 class Event:
     """One line of events.csv; reading is 0 where none is meant."""
 
-    time_utc: str
     event: str
     reading: int
     detail: str
