@@ -11,6 +11,7 @@ namespace serpenoid {
 
 namespace {
 
+// Limits of the sweeps over contacts; tests/host/lab compares with closed forms.
 struct ContactTuning {
     double rest_speed = 1e-5;     // m/s, limit below which a wheel is at rest
     double energy_error = 1e-20;  // J, impulse times speed change that ends the sweeps

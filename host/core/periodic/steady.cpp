@@ -11,6 +11,8 @@ namespace serpenoid {
 
 namespace {
 
+// Tolerances and limits of the search; tests/host/periodic/test_dry_failures.py counts how many
+// random gaits have no state.
 struct SearchTuning {
     double min_log = -30;          // least logarithm of a multiplier above rounding errors
     double settled = 0.02;         // change in a cycle, in units of the scales, of a settled motion

@@ -117,7 +117,6 @@ void bind_board(nb::module_& m) {
                      [](Board& b) { return static_cast<double>(b.view().now_us()) * 1e-6; })
         .def_prop_ro("state", [=](Board& b) { return firmware::state_name(controller(b).state()); })
         .def_prop_ro("frame", [=](Board& b) { return controller(b).frame_number(); })
-        .def_prop_ro("boot_id", [=](Board& b) { return controller(b).boot_id(); })
         .def_prop_ro("session", [=](Board& b) { return controller(b).session(); })
         .def_prop_ro("counters", &counters, "Counts since boot, by the names of PROTOCOL.md.")
         .def_prop_ro("setpoints_rad", &Board::setpoints_rad, "The joints' setpoints, tail first.")

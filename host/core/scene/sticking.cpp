@@ -9,6 +9,8 @@
 namespace serpenoid {
 
 namespace {
+// When contacts begin and cease to rest; tests/host/simulation/test_sticking.py compares runs with
+// the law itself and with closed forms.
 struct RestTuning {
     double speed = 1e-3;       // speed below which a contact may rest, over the tolerance of a step
     double tolerance = 1e-10;  // least tolerance; a smaller one gives a speed like rounding errors

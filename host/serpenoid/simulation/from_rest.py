@@ -47,7 +47,8 @@ def from_rest(state: Steady, time_limit_s: float = 2.0, repeated: float = 2e-3) 
             return FromRest(True, None)
         change = math.dist(motion, previous) / distance
         scene = replace(scene, start=run.state())
-    return FromRest(False, Motion(turn_rad, travel_m / gait.period_s))
+    turn_rad, lengths = motion
+    return FromRest(False, Motion(turn_rad, lengths * body_m / gait.period_s))
 
 
 def two_motions_text(state: Steady) -> str:

@@ -14,6 +14,8 @@ constexpr int kStages = SlidingPiece::kStages;
 using Rule = SlidingPiece::Rule;
 using Polynomial = StagePolynomial<kStages>;
 
+// How the end of a mode is found; held by random states of other code
+// (tests/host/periodic/test_random_truth.py).
 struct EventTuning {
     // Margins below which a mode has ended. Values between these and -1 may be rounding; between
     // stages the polynomial is less accurate.

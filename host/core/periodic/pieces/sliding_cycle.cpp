@@ -9,7 +9,8 @@ namespace serpenoid {
 
 namespace {
 
-// Lengths of pieces, rad, and what may happen on their way.
+// Lengths of pieces, rad, and what may happen on their way; held by dry gaits that once failed and
+// by random ones (tests/host/periodic/test_dry_failures.py, test_dry_claims.py).
 struct PieceLengths {
     double longest = 0.8;  // beyond it Newton's method seldom converges
     double smooth = 0.57;  // on smooth ground, at the tolerance below

@@ -17,7 +17,8 @@ struct NewtonTuning {
 };
 constexpr NewtonTuning kNewton;
 
-// Parts of the error of a piece.
+// Parts of the error of a piece; held by random states of other code
+// (tests/host/periodic/test_random_truth.py).
 struct ErrorTuning {
     // Weight of a small error of a force. A large one weighs as its square, times the ratio of
     // that force to inertia: it shifts the end of sticking, and only this shifts the motion.

@@ -11,6 +11,7 @@ namespace serpenoid {
 
 namespace {
 
+// How the joints' positive work is sampled, and which wheels make it doubtful.
 struct WorkTuning {
     double block = 4.5;              // length of a block at a tolerance of 1, rad
     double min_smooth = 0.08;        // shortest block on smooth ground, rad

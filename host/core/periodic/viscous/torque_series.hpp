@@ -54,6 +54,7 @@ class TorqueSeries {
     }
 
   private:
+    // How roots of a torque are searched; work depends on them in second order.
     struct RootTuning {
         double close_root;  // value near a root, as a fraction of the first mode
         int parts;          // parts of a step in which a pair of roots may be
