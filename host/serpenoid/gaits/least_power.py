@@ -287,7 +287,7 @@ def _finished(search: Search, best: Point, gain: float, rtol: float) -> LeastPow
         exact,
         "explicit" if search.springs is None else "implicit",
         limits=search.limits,
-        active=search.active(gait, 1 - losses.worst),
+        active=search.limits.active(gait, search.torque_nm(gait), 1 - losses.worst),
         power_error_w=numerical + watts * min(unknown, 1.0),
         solved_error_w=numerical,
         losses=losses,

@@ -152,10 +152,6 @@ class Search:
         """Return by how many e-folds a gait is within its nearest limit, below 0 beyond it."""
         return min(self.limits.margins(gait, self.torque_nm(gait)).values(), default=math.inf)
 
-    def active(self, gait: Gait, share: float) -> tuple[str, ...]:
-        """Return in words the limits that a gait has reached; share: of the speed that it keeps."""
-        return self.limits.active(gait, self.torque_nm(gait), share)
-
     def torque_nm(self, gait: Gait) -> float:
         """Return the gait's peak torque where there is a limit to it, else 0."""
         if self.limits.servo_torque_nm == math.inf:

@@ -62,8 +62,16 @@ class Floor:
         way = 0.5 * push.speed_m_s / hand_s * t**2 - REACH_M
         begun = np.stack([t, c * way, s * way, np.full_like(t, heading)], axis=1)
         rates = c * push.speed_m_s, s * push.speed_m_s, push.rate_rad_s
-        rolled = self._roll(pose_rad, heading, rates)
-        rolled[:, 0] += hand_s
+        joints = self.robot.true_joints(pose_rad)
+        chain = self._placed(self.robot.chain(), joints, heading, rates)
+        bend, rolled = _mean_bend(joints), []
+        rest_m_s, rest_rad_s = 1e-6, 1e-5
+        for k in range(6000):  # a minute at most
+            x, y, theta, vx, vy, w, _ = chain.state
+            rolled.append((k * FRAME_S + hand_s, x, y, theta + bend))
+            if k and math.hypot(vx, vy) < rest_m_s and abs(w) < rest_rad_s:
+                break
+            check_answer(chain.advance(FRAME_S, STEP_S))
         return Track(*np.concatenate([begun, rolled]).T, released_s=hand_s)
 
     def driven(self, gait: Gait, duration_s: float, frame_s: float) -> tuple[Track, Array]:
@@ -103,25 +111,6 @@ class Floor:
         chain.set_slope(*self._pull)
         chain.place(0.0, 0.0, heading_rad - _mean_bend(joints), *rates)
         return chain
-
-    def _roll(
-        self,
-        pose_rad: Sequence[float],
-        heading_rad: float,
-        rates: tuple[float, float, float],
-    ) -> Array:
-        """Return rows t, x, y, heading until the robot rests."""
-        joints = self.robot.true_joints(pose_rad)
-        chain = self._placed(self.robot.chain(), joints, heading_rad, rates)
-        bend, rows = _mean_bend(joints), []
-        rest_m_s, rest_rad_s = 1e-6, 1e-5
-        for k in range(6000):  # a minute at most
-            x, y, theta, vx, vy, w, _ = chain.state
-            rows.append((k * FRAME_S, x, y, theta + bend))
-            if k and math.hypot(vx, vy) < rest_m_s and abs(w) < rest_rad_s:
-                break
-            check_answer(chain.advance(FRAME_S, STEP_S))
-        return np.array(rows)
 
 
 def _mean_bend(joints: Sequence[float]) -> float:
