@@ -1,9 +1,9 @@
 """The posterior of readings of all kinds: its MAP estimate, and samples of it.
 
-A point x (D,) has the frictions in their unit, then every other parameter in standard deviations of
-its prior, such that all of these are standard normal before the readings: the errors of bends and
-shared roundings, which correlate, by the root of their correlation. Residuals are normal with
-standard deviation 1: those of readings, then those of priors.
+A point x (D,) has the frictions in their unit, then the other parameters, transformed such that
+their priors are standard normal: by their standard deviations, and for the errors of bends and
+shared roundings by the root of their correlation. Residuals are standard normal: those of readings,
+then those of priors.
 """
 
 from __future__ import annotations
@@ -33,13 +33,14 @@ NEGATIVE_SAMPLE_WEIGHT = 0.25  # Weight of a sample in which another friction is
 
 @dataclass(frozen=True)
 class Sampling:
-    """How many samples a posterior has.
+    """Numbers of the sampling.
 
-    count: about the estimate, where an interval's end errs by 1 % of a half width; with more than
-    max_residuals in all there are fewer, but min_count. min_independent: of equal weight, that the
-    weighted ones must be worth; else so many particles make so many moves. spread: share of them
-    that begins at points of any weight, so that never all begin at one.
-    block_residuals: at a time, as many as a processor's own memory holds.
+    count: importance samples about the estimate, with which an interval's end errs by 1 % of its
+    half width. max_residuals, min_count: largest total of residuals, which reduces count, but not
+    below min_count. min_independent: smallest effective number of importance samples; with less,
+    `particles` particles make `moves` moves. spread: share of the particles that start at any
+    sample with equal probability, so that not all start at one. block_residuals: number of
+    residuals computed at a time, so that they fit into the processor's cache.
     """
 
     count: int = 32768
@@ -54,14 +55,15 @@ class Sampling:
 
 @dataclass(frozen=True)
 class Solving:
-    """How the estimate is sought.
+    """Numbers of the search for the MAP estimate.
 
-    difference: relative step of a parameter for slopes, of a friction relative to min_friction at
-    least. max_rounds: of linear films; most need 5, those of robots that slip 10. whole_rounds:
-    then a half, a third ... of each step, for those that slip are not quite smooth. settled_sigmas:
-    of a round's last step; the next one is the square of that. zero_sigmas: a friction of less of
-    its standard deviation is 0. refit_steps: each with the slopes of the estimate of all readings,
-    the last of refit_sigmas at most. max_evaluations: of residuals, until the solver gives up.
+    difference: relative step of the finite differences, of frictions over min_friction at least.
+    max_rounds: most linearisations of films; most need 5, those of robots that slip 10.
+    whole_rounds: rounds with whole steps; later ones take a half, a third and so on, because slip
+    is not quite smooth. settled_sigmas: largest last step of a round; convergence is quadratic.
+    zero_sigmas: frictions below this part of their sigma become 0. refit_steps, refit_sigmas: most
+    steps of an estimate without some residuals, and its largest last step. max_evaluations: most
+    evaluations of the residuals by the solver.
     """
 
     difference: float = 1e-5
@@ -80,7 +82,7 @@ SAMPLING, SOLVING = Sampling(), Solving()
 
 @dataclass(frozen=True)
 class MapEstimate:
-    """The point x (D,) of highest density, with residuals and slopes there; 0 of omitted rows."""
+    """The MAP estimate x (D,) with residuals (rows,) and slopes (rows, D), 0 in omitted rows."""
 
     posterior: Posterior
     x: Floats
@@ -89,15 +91,15 @@ class MapEstimate:
 
     @property
     def chi2(self) -> float:
-        """Return the sum of squares."""
+        """Return the sum of squared residuals."""
         return float(self.residuals @ self.residuals)
 
     @cached_property
     def covariance(self) -> Floats:
-        """Return the covariance (D, D); raises NotConverged where a parameter is open.
+        """Return the covariance (D, D); raises NotConverged if a parameter is not determined.
 
-        A minimum far out, where a friction is 0 and a reading's whole error with it, has slopes of
-        1e12 beside others of 1: rounding errors are then all that is left of it.
+        At a remote minimum a friction and the sigma of a reading may be 0. Its slopes of 1e12
+        beside others of 1 leave only rounding errors.
         """
         information = self.slopes.T @ self.slopes
         scale = np.sqrt(np.diag(information))
@@ -108,10 +110,10 @@ class MapEstimate:
         raise NotConverged("the readings contradict each other so far that no friction is told")
 
     def without(self, omitted: Rows) -> MapEstimate:
-        """Return the estimate without some residuals; raises NotConverged where the rest is open.
+        """Return the estimate without some residuals; raises NotConverged.
 
-        Films stay linear. It is sought by the slopes here; where that does not settle, by the
-        solver.
+        Films keep their linearisation. The search uses the slopes of this estimate, and the solver
+        if that does not converge. omitted: (rows,).
         """
         posterior, x, weights = self.posterior, self.x, np.where(omitted, 0.0, 1.0)
         gain = posterior.estimate_at(x, weights).covariance @ self.slopes.T
@@ -125,7 +127,7 @@ class MapEstimate:
 
     @property
     def values(self) -> dict[str, Floats]:
-        """Return (1,) of each parameter."""
+        """Return the parameters' values by name, (1,) each."""
         return self.posterior.by_name(self.x[None])
 
 
@@ -141,7 +143,7 @@ class Samples:
     unlimited: Floats
 
     def weight_for(self, friction: int) -> Floats:
-        """Return the weights (N,) by which an interval of one friction counts the samples."""
+        """Return the samples' weights (N,) for the interval of one friction, by its index."""
         negative = self.x[:, :COUNT] < 0.0
         other_errors = np.delete(negative, friction, axis=1).any(axis=1)
         weight = self.unlimited * np.where(other_errors, NEGATIVE_SAMPLE_WEIGHT, 1.0)
@@ -151,13 +153,11 @@ class Samples:
 
 @dataclass(frozen=True)
 class Posterior:
-    """What readings and priors say together.
+    """The posterior density of the parameters.
 
-    kinds: of readings, each with its parameters, the numbers of its readings, its residuals by the
-    parameters' values, and itself made linear about some, where it is.
-
-    roundings_rad: samples (N, errors) of the shared roundings, which are not normal before the
-    readings.
+    kinds: the readings of each kind, with their parameters, numbers and residuals, and their
+    linearisation. roundings_rad: samples (N, errors) of the shared rounding errors, whose prior is
+    not normal.
     """
 
     kinds: tuple[Stations | Pushes, ...]
@@ -267,18 +267,18 @@ class Posterior:
         )
         if not solved.success:
             raise NotConverged("the readings contradict each other")
-        # the solver stops just inside a limit of 0
+        # The solver stops just inside a limit of 0.
         size = np.linalg.norm(self.slopes(solved.x), axis=0)
         zero = (np.arange(len(size)) < COUNT) & (solved.x * size < SOLVING.zero_sigmas)
         return np.where(zero, 0.0, solved.x)
 
     def estimate_at(self, x: Floats, weights: Floats | float = 1.0) -> MapEstimate:
-        """Return residuals and slopes at a point (D,); weights: (rows,), 0 of what is omitted."""
+        """Return residuals and slopes at a point (D,); weights: (rows,), 0 for omitted ones."""
         residuals = weights * self.residuals(x[None])[0]
         return MapEstimate(self, x, residuals, (weights * self.slopes(x).T).T)
 
     def samples(self, estimate: MapEstimate, seed: int) -> Samples:
-        """Return weighted samples about an estimate; particles where those are worth too few."""
+        """Return importance samples about an estimate, or particles if these are too few."""
         count = min(
             SAMPLING.count, max(SAMPLING.max_residuals // len(self.numbers), SAMPLING.min_count)
         )
@@ -296,11 +296,11 @@ class Posterior:
         return Samples(x, *np.full((2, len(x)), 1.0 / len(x)))
 
     def _with_roundings(self, estimate: MapEstimate, x: Floats, seed: int) -> Floats:
-        """Return points (K, D) in which roundings are sawtooth errors, not normal ones.
+        """Return points (K, D) whose rounding errors are sawteeth instead of normal.
 
-        To first order an estimate errs by C e, where e are these errors and C the parameters'
-        covariance with them, and by a part that is independent of e. A point d off the estimate has
-        e = d_e + n, n of covariance 1 - C_ee: that part of it is replaced.
+        To first order the error of an estimate is C e, where e are the rounding errors and C is the
+        covariance of the parameters with them, plus a part independent of e. A point at d from the
+        estimate has e = d_e + n, where n has the covariance 1 - C_ee. This part is replaced.
         """
         samples, count = self.roundings_rad, self.roundings_rad.shape[1]
         if not count:
@@ -314,7 +314,7 @@ class Posterior:
         return np.asarray(x + (sawtooth - normal) @ gain.T)
 
     def _explored(self, points: Floats, weight: Floats, rng: np.random.Generator) -> Floats:
-        """Return samples (N, D) of particles that begin at points with weights (K,)."""
+        """Return samples (N, D) of particles that start from points with weights (K,)."""
         shares = (1.0 - SAMPLING.spread) * weight + SAMPLING.spread / len(weight)
         start = rng.choice(len(points), SAMPLING.particles, p=shares)
 
@@ -326,9 +326,9 @@ class Posterior:
         return np.concatenate(explored(x, log_density, SAMPLING.moves, rng))
 
     def log_density(self, x: Floats) -> Floats:
-        """Return its logarithm at points (K, D), but for a constant and limits.
+        """Return the log density (K,) at points (K, D), up to a constant and without limits.
 
-        It is no number where a law has no value, beyond the limits.
+        It is NaN outside the limits where the residuals have no value.
         """
         pieces = max(len(x) * len(self.numbers) // SAMPLING.block_residuals, 1)
         with np.errstate(invalid="ignore", over="ignore"):
@@ -337,12 +337,12 @@ class Posterior:
 
 
 def _shares(log: Floats) -> Floats:
-    """Return weights that sum to 1 from their logarithms; all in one where none is finite."""
+    """Return weights that sum to 1 from their logarithms; one has all if none is finite."""
     log = np.where(np.isnan(log), -np.inf, log)
     weight = np.exp(log - log.max()) if np.isfinite(log.max()) else np.eye(1, len(log))[0]
     return np.asarray(weight / weight.sum())
 
 
 def _independent(weight: Floats) -> float:
-    """Return how many samples of equal weight weighted ones are worth."""
+    """Return the effective number of independent samples of given weights."""
     return float(1.0 / np.sum(weight**2))

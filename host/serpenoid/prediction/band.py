@@ -1,4 +1,4 @@
-"""The one 95 % band of a predicted speed."""
+"""The predicted speed of a gait with its 95 % band."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from .speeds import SAMPLES, Samples, draw_samples, speed, speeds
 
 @dataclass(frozen=True, eq=False)
 class SpeedBand:
-    """Hold what a fit predicts of one gait: the speed, and the 95 % interval about it.
+    """The speed of one gait as predicted from a fit, with 95 % intervals.
 
-    speed_m_s: with the typical servo; exact_m_s: of ideal joints. low_m_s, high_m_s: over samples
-    of the frictions that the readings allow, each with joints whose amplitude is off by
-    AMPLITUDE_SIGMA and with a servo of its own. low_friction_m_s, high_friction_m_s: the narrower
-    one, of friction alone and ideal joints; low_joints_m_s, high_joints_m_s: that with the
-    amplitude's doubt. servo: the kind of servo; None: joints that follow the gait. filmed: the
-    joints are as a film showed them, so that their amplitude is certain. too_fast: the sentence
-    that the gait is too fast for the servos, or ""; low_m_s and high_m_s are then NaN.
-    samples_m_s: (3, N), as of `speeds`.
+    speed_m_s: with the typical servo. exact_m_s: with ideal joints.
+    low_m_s, high_m_s: over samples of friction, of the joints' amplitude and of the servo.
+    low_friction_m_s, high_friction_m_s: over samples of friction alone, with ideal joints.
+    low_joints_m_s, high_joints_m_s: over samples of friction and amplitude.
+    servo: name of the kind of servo; None for joints that follow the gait.
+    filmed: whether the joints move as filmed, so that their amplitude is certain.
+    too_fast: a sentence if the gait is too fast for the servos, whose band is then NaN; else "".
+    samples_m_s: (3, N), the speeds of the samples, as of `speeds`.
     """
 
     gait: Gait
@@ -48,17 +48,17 @@ class SpeedBand:
 
     @property
     def frequency_hz(self) -> float:
-        """Return the gait's frequency."""
+        """Return the gait's frequency, Hz."""
         return self.gait.omega_rad_s / math.tau
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain values; None for the ends of a band where the gait is too fast."""
+        """Return values by name for JSON; the band's ends are None if the gait is too fast."""
         hidden = ("gait", "exact_m_s", "samples_m_s", "too_fast", "level_runs", "slope_shares")
         values = {name: value for name, value in vars(self).items() if name not in hidden}
         return values | ({"low_m_s": None, "high_m_s": None} if self.too_fast else {})
 
     def in_words(self) -> str:
-        """Return the speed with its band, or why it has none."""
+        """Return the speed with its band, or the reason why it has none."""
         if self.too_fast:
             return self.too_fast
         ends = f"{self.low_m_s:.4f} to {self.high_m_s:.4f}"
@@ -68,7 +68,10 @@ class SpeedBand:
 
 
 def predict(samples: Samples, gait: Gait, commanded: Gait | None = None) -> SpeedBand:
-    """Return a gait's speed by the exact model, with the band of samples; commanded: as there."""
+    """Return a gait's speed by the exact model, with its band over samples.
+
+    commanded: the command, if `gait` is the motion of the joints in a film.
+    """
     fit, kind = samples.fit, samples.kind
     samples_m_s = speeds(samples, gait, commanded)
     friction, joints, ends = map(band, samples_m_s)
@@ -93,5 +96,9 @@ def speed_band(
     servo: ServoKind | None = HOBBY,
     commanded: Gait | None = None,
 ) -> SpeedBand:
-    """Return the band of one gait; servo: any hobby servo unless given, None: ideal joints."""
+    """Return the speed of one gait with its band.
+
+    count: number of samples. servo: the kind of servo; None: ideal joints. commanded: as of
+    predict.
+    """
     return predict(draw_samples(fit, servo, count=count), gait, commanded)

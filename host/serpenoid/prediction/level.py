@@ -1,4 +1,4 @@
-"""What a floor's slope does to crawls: known, they are brought to level ground, else doubted."""
+"""Correct gait runs on a sloping floor to level ground, and give the uncertainty by the slope."""
 
 from __future__ import annotations
 
@@ -21,16 +21,17 @@ from ..session.session import Session
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 
-Slope = tuple[Estimate, Estimate]  # rad, by which a floor falls towards "there", and to its left
+Slope = tuple[Estimate, Estimate]  # Falls of a floor along "there" and to its left, rad.
 
 
 @dataclass(frozen=True)
 class CrawlSteps:
-    """How a crawl on a slope is simulated.
+    """Numbers of the simulation of a gait run on a slope.
 
-    steps: of a period. tolerance: relative error of a step; a crawl's
-    speed is 1e-4 off at most. updates_hz: greatest rate of a servo's loop; 1000 is 0.2 % off then,
-    in a third of the time. first_s, last_s: after the gait's start, between which it is measured.
+    steps: time steps of a period. tolerance: relative error of a step, for a speed to 1e-4.
+    updates_hz: largest simulated rate of a servo's loop, with which a loop of 1000 Hz errs by 0.2 %
+    in a third of the time. first_s, last_s: interval after the gait's start in which the speed is
+    measured.
     """
 
     steps: int = 160
@@ -41,11 +42,11 @@ class CrawlSteps:
 
 
 CRAWL = CrawlSteps()
-EFFECT_SIGMA = 0.2  # Relative error of what a slope is predicted to do: friction is a fitted one.
-MIN_SHARE = 0.01  # Least share of the level speed that a slope leaves.
-SLOPES = 1024  # Samples of a slope, each with a speed; with a quarter faults show less often.
-# Standard deviations of the slope along and across a crawl at which its speed is solved for: uphill
-# it falls steeply, downhill it hardly changes. Between them it is linear, beyond them constant.
+EFFECT_SIGMA = 0.2  # Relative sigma of the predicted effect of a slope, for fitted friction.
+MIN_SHARE = 0.01  # Smallest ratio of the speed on a slope to the level speed.
+SLOPES = 1024  # Number of samples of a slope; with a quarter of them faults show less often.
+# Deviations of the slope along and across a run, in its sigma, for which the speed is simulated. It
+# falls steeply uphill and hardly changes downhill. Between them it is linear, outside constant.
 NODES = (-3.0, 0.0, 0.5, 1.0, 1.5, 2.0, 3.0), (-3.0, 0.0, 3.0)
 
 
@@ -57,17 +58,17 @@ def level_run(
     servo: Servo | None = None,
     seed: int = 2005,
 ) -> tuple[Crawl, Array]:
-    """Return a run there or back as on level ground, any other as it is; and the slope's doubt.
+    """Return a run corrected to level ground, and ratios (SLOPES,) of its speed for sampled slopes.
 
-    crawl: all runs of the command; a slope does the same to each that goes the same way. servo:
-    what moves the joints; None: they follow the gait. What the mean slope does is found with it,
-    for its ripple moves wheels that would stick. Its error is a share of what the slope does there
-    or back, the larger one: in which direction a robot crawls is known to some degrees. The doubt
-    is the speeds over this one on samples of the slope, (SLOPES,).
+    A run on level ground is returned as it is. crawl: all runs of the command. servo: the servo
+    that moves the joints; None: they follow the gait. The effect of the mean slope is simulated
+    with the servo, whose ripple moves wheels that would stick. The sigma of the correction is
+    EFFECT_SIGMA times the larger effect of the slope and of the opposite one, because the direction
+    of travel is known to some degrees only. The ratios are to the speed on the mean slope.
     """
     is_level = run.way == "level"
     slope = floor_slope(session, {} if is_level else fit.nuisances)
-    # the floor rises ahead of one that goes back
+    # The floor falls along "there", and so it rises along "back".
     mean_rad, sigma_rad = (-1.0 if run.way == "there" else 1.0) * np.array(slope).T
     shares = slope_shares(fit, crawl.gait, mean_rad, sigma_rad, seed)
     if is_level:
@@ -88,7 +89,7 @@ def level_run(
 
 
 def floor_slope(session: Session, nuisances: Mapping[str, Estimate]) -> Slope:
-    """Return the floor's slopes, rad, as pushes told them, or as nobody knows them."""
+    """Return the floor's slopes, rad: as fitted to pushes, else zero with their prior sigma."""
     unknown = Estimate(0.0, session.setup.instruments.floor_slope_sigma_rad)
     along, across = (
         next((value for name, value in nuisances.items() if name.startswith(part)), unknown)
@@ -100,10 +101,10 @@ def floor_slope(session: Session, nuisances: Mapping[str, Estimate]) -> Slope:
 def slope_shares(
     fit: FrictionFit, gait: Gait, mean_rad: Array, sigma_rad: Array, seed: int = 2005
 ) -> Array:
-    """Return a gait's speeds over that on a slope, (SLOPES,), on samples about it; ideal joints.
+    """Return ratios (SLOPES,) of a gait's speed on sampled slopes to that on the mean slope.
 
-    mean_rad, sigma_rad: (2,), by what the ground rises ahead and to the left. All gaits of a seed
-    have the same samples.
+    mean_rad, sigma_rad: (2,), rise of the ground ahead and to the left. The joints are ideal. All
+    gaits of a seed have the same samples.
     """
     middle_m_s = max(_crawl_speed(fit, gait, None, mean_rad), 1e-6)
     shares = np.ones(SLOPES)
@@ -116,9 +117,10 @@ def slope_shares(
 
 
 def _crawl_speed(fit: FrictionFit, gait: Gait, servo: Servo | None, rise_rad: Array) -> float:
-    """Return the mean speed, m/s, of a crawl over ground that rises ahead and to the left, rad.
+    """Return the mean speed, m/s, of a gait run on ground with rises (2,) ahead and to the left.
 
-    The robot turns downhill within some ten seconds, and nobody knows when a reading began.
+    It is a mean over time, because the robot turns downhill within some ten seconds, and the start
+    of a reading is unknown.
     """
     crawl = partial(_crawl, fit.robot, fit.ground, gait, servo)
     ahead_rad, left_rad = rise_rad.tolist()
@@ -135,7 +137,7 @@ def _crawl(
     incline_rad: float,
     uphill_rad: float,
 ) -> tuple[float, float]:
-    """Return the mean speed, m/s, and the direction of the first cycle's way, rad."""
+    """Return the mean speed, m/s, and the direction of travel in the first cycle, rad."""
     period_s = gait.period_s
     first_cycle, last = (math.ceil(at_s / period_s) for at_s in (CRAWL.first_s, CRAWL.last_s))
     run = simulate(
@@ -155,13 +157,13 @@ def _crawl(
             record_every=CRAWL.steps,
         )
     )
-    x, y = (way[first_cycle:].mean(axis=1) for way in (run.x_m, run.y_m))  # a row a cycle
+    x, y = (way[first_cycle:].mean(axis=1) for way in (run.x_m, run.y_m))  # One row for each cycle.
     speeds_m_s = np.hypot(np.diff(x), np.diff(y)) / period_s
     return float(speeds_m_s.mean()), math.atan2(y[1] - y[0], x[1] - x[0])
 
 
 def slope_in_words(session: Session, fit: FrictionFit) -> str:
-    """Return by what the floor of crawls there and back slopes; "" where there are none."""
+    """Return a sentence on the floor's slope; "" if all gait runs were on level ground."""
     if all(run.way == "level" for run in session.kept_crawls):
         return ""
     along, across = (

@@ -1,4 +1,4 @@
-"""Readings that could be taken next, of the kind that a session has, each as it would be seen."""
+"""Candidates for the next reading of a session, with the values that they are expected to have."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from ..session.station import MIN_SLIP_M_S, Reading, bent_share
 
 @dataclass(frozen=True)
 class Minutes:
-    """Minutes that a person takes: `docs/afternoon.md` and `docs/floor.md` plan with as many.
+    """Times that readings take a person, min, as in `docs/afternoon.md` and `docs/floor.md`.
 
-    station, push: each. bend: to bend the robot anew. servo_test: of one joint on a bench. film: of
-    one gait.
+    station, push: one reading. bend: bending the robot anew. servo_test: a bench test of one joint.
+    film: a film of one gait.
     """
 
     station: float = 4.0
@@ -34,11 +34,11 @@ class Minutes:
 
 @dataclass(frozen=True)
 class StationGrid:
-    """The stations that are tried.
+    """The grid of candidate stations: all combinations of bends and slip speeds.
 
-    bends_deg, slips_m_s: each with each. max_grade: of the steepest home treadmill, unless this one
-    stood steeper already. same_bend_sigmas: two bends less apart are one, and the robot stays as it
-    lies.
+    max_grade: grade of the steepest home treadmill; a session may have a steeper one.
+    same_bend_sigmas: difference of two bends, in their sigma, below which the robot stays bent as
+    it is.
     """
 
     bends_deg: tuple[float, ...] = (0.0, 7.5, 15.0, 20.0, 30.0)
@@ -52,10 +52,11 @@ MINUTES, GRID = Minutes(), StationGrid()
 
 @dataclass(frozen=True, slots=True)
 class NextReading:
-    """A reading, and the relative half width of the speeds' 95 % band after it.
+    """A candidate for the next reading.
 
-    kind: station (lambda_rad, incline_rad, belt_speed_m_s expected), push (lambda_rad), film or
-    servo. words: what to do. minutes: that it takes. band: after it, mean over the gaits asked for.
+    kind: "station", with lambda_rad, incline_rad and the expected belt_speed_m_s; "push", with
+    lambda_rad; "film"; or "servo". words: what to do. minutes: time that it takes. band: relative
+    half width of the 95 % band of speed after it, mean over the gaits.
     """
 
     kind: str
@@ -88,7 +89,7 @@ def _stations(session: Session, estimate: MapEstimate) -> Candidates:
         is_near = abs(bend_rad - present_rad) < GRID.same_bend_sigmas * tools.lambda_sigma_rad
         angle = present_rad if present_rad and is_near else bend_rad
         if 0.0 < angle <= SAFE_BEND_SIGMAS * tools.lambda_sigma_rad:
-            continue  # a lesser bend would bias cn
+            continue  # A smaller bend would bias cn.
         law = resistance(estimate.x[:4], bent_share(bend, setup.robot.links), angle)
         drag, dry_n = (float(part[0]) for part in law)
         sines = [min((drag * slip + dry_n) / setup.weight_n, 1.0) for slip in GRID.slips_m_s]
@@ -118,7 +119,7 @@ def _stations(session: Session, estimate: MapEstimate) -> Candidates:
 
 
 def _failed(session: Session, angle: float, incline_rad: float) -> bool:
-    """Tell whether a reading at this bend and incline was voided."""
+    """Return whether a station at this bend and incline was voided."""
     tools = session.setup.instruments
     return any(
         reading.voided
@@ -129,7 +130,7 @@ def _failed(session: Session, angle: float, incline_rad: float) -> bool:
 
 
 def _pushes(session: Session) -> Candidates:
-    """Yield for each bend one more push there and one back, like the last one in it."""
+    """Yield for each bend two pushes, one there and one back, like the last one in it."""
     pushes = session.kept_pushes
     for angle, push in {push.lambda_rad: push for push in pushes}.items():
         pose = f"bent {math.degrees(angle):.3g}°" if angle else "straight"

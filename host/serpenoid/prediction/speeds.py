@@ -1,4 +1,4 @@
-"""Speeds of a gait over samples of what a fit, the joints and the servos allow."""
+"""Speeds of a gait for samples of friction, of the joints' amplitude and of the servos."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ from ..periodic.steady import drawn_states, steady_gait
 from ..servos.speed_limit import is_too_fast
 
 Progress = Callable[[float], object]
-AMPLITUDE_SIGMA = 0.03  # true over commanded amplitude, common to all gaits
+AMPLITUDE_SIGMA = 0.03  # Sigma of the ratio of true to commanded amplitude, for all gaits.
 SAMPLES = 64
 
 
 def speed(robot: Robot, ground: Ground, gait: Gait, servo: Servo | None = None) -> float:
-    """Return the exact model's speed to 1e-3 of itself, m/s; servo: what moves the joints."""
+    """Return the exact model's speed, m/s, to 1e-3; servo: None for ideal joints."""
     ideal = steady_gait(robot, ground, gait, rtol=1e-3, powers=False)
     return ideal.speed_m_s if servo is None else servo_speed(ideal, servo)
 
 
 def scaled(gait: Gait, amplitude: float) -> Gait:
-    """Return the gait as joints run it that reach this share of their amplitude, at most pi."""
+    """Return the gait with its amplitude times a factor, at most pi."""
     return replace(gait, alpha_rad=min(gait.alpha_rad * amplitude, math.pi))
 
 
 @dataclass(frozen=True)
 class Samples:
-    """N samples of what moves a robot, each as likely as any other.
+    """N equally likely samples of friction, amplitude and servo.
 
     fit: the friction, whose ground every sample's state is sought from. kind: of servo, None where
     joints follow the gait. frictions: (N, 4), of the whole snake. amplitude: (N,), of the
@@ -57,7 +57,10 @@ def draw_samples(
     count: int = SAMPLES,
     seed: int = 2005,
 ) -> Samples:
-    """Return samples of a fit's friction, of an amplitude with this sigma, and of the servos."""
+    """Return samples of a fit's friction, of the amplitude, and of a kind of servo.
+
+    amplitude_sigma: relative sigma of the amplitude. count: number of samples.
+    """
     from scipy.special import ndtri
 
     evenly = np.random.default_rng(seed).permutation((np.arange(count) + 0.5) / count)

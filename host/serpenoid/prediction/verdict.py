@@ -1,4 +1,4 @@
-"""Whether measured speeds agree with predicted ones, and which one factor would explain them."""
+"""Test whether measured speeds agree with predicted ones, and find factors that explain them."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from ..model.drives import ServoKind
 from ..model.gait import Gait
 from .speeds import Samples, speeds
 
-# Relative error of a predicted speed: joints that stand 0.5 deg off their set-points for good cost
-# 0 to 3 % in the virtual lab, and servos and slopes of the samples are some 1 % apart.
+# Relative sigma of a predicted speed: constant errors of joints of 0.5 deg cost 0 to 3 % of it in
+# the virtual lab, and neighbouring samples of servos and slopes differ by some 1 %.
 MODEL_SIGMA = 0.01
 
 
 @dataclass(frozen=True)
 class Factor:
-    """One factor that would explain the measured speeds best, and the p-value with it."""
+    """The factor that would explain the measured speeds best, and the p-value with it."""
 
     factor: float
     p_value: float
@@ -57,7 +57,7 @@ class Predicted:
 
     @property
     def log_density(self) -> float:
-        """Return the logarithm of the density at the measured speeds, but for a constant."""
+        """Return the log density at the measured speeds, up to a constant."""
         return float(self._log_density(self.measured_m_s[None])[0])
 
     @property
@@ -94,7 +94,7 @@ def best_factors(
     kind: ServoKind | None,
     seed: int,
 ) -> tuple[Factor, Factor]:
-    """Return the factor on all friction and that on the amplitude which explain the speeds best.
+    """Return the factors on all friction, and on the amplitude, that explain the speeds best.
 
     gaits: each with its command where a film showed the joints, whose amplitude is then certain.
     What a factor does to a speed is solved for with the fitted friction and the typical servo.
@@ -114,7 +114,7 @@ def best_factors(
 
 
 def _best(predicted: Predicted, factors: Array, shares: Array, seed: int) -> Factor:
-    """Return the likeliest factor; shares: (gaits, factors), of the speed without one."""
+    """Return the factor of highest density; shares: (gaits, factors), ratios of the speeds."""
     tried = np.linspace(factors[0], factors[-1], 97)
     by_factor = np.stack([np.interp(tried, factors, row) for row in shares], axis=1)
     joints = predicted.joints_m_s
