@@ -5,7 +5,6 @@ from __future__ import annotations
 import binascii
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from serpenoid._core import firmware
@@ -42,13 +41,3 @@ def test_the_settled_gait_follows_the_formula() -> None:
 @given(st.binary(max_size=300))
 def test_crc_equals_that_of_the_standard_library(data: bytes) -> None:
     assert firmware.crc16(data) == binascii.crc_hqx(data, 0xFFFF)
-
-
-@pytest.mark.parametrize(
-    "bad", [{"alpha_rad": 1.6}, {"beta_rad": 3.2}, {"omega_rad_s": -1.0}, {"omega_rad_s": np.nan}]
-)
-def test_values_the_board_cannot_hold_are_refused(bad: dict[str, float]) -> None:
-    with pytest.raises(ValueError, match=r"at (most|least)"):
-        firmware.gait_setpoints_rad(
-            **{"alpha_rad": 0.5, "beta_rad": 1.0, "omega_rad_s": 5.0, **bad}
-        )
