@@ -91,7 +91,7 @@ def draw(folder: Path) -> list[Claim]:
     zero_gap = study.compare_formulations("zero")
     slow_manifold = study.compare_formulations("slow_manifold")
     gait_figures.errors_in_time(zero_gap, slow_manifold, folder / "fig6-7.png")
-    front = study.papers_front()
+    front = study.optima(study.ROBOT, study.GROUND, 0.7)
     words = f"the paper's robot: {run_figure.robot_words(study.ROBOT, study.GROUND)}; net power"
     gait_figures.power_of(study.papers_sweep(), front, words, folder / "fig8.png")
     gait_figures.optimum_figure(front, words, folder / "fig9-11.png")
@@ -112,7 +112,7 @@ def draw(folder: Path) -> list[Claim]:
     frequencies_hz = np.array(frequencies_hz)
     plot.formulations_figure(frequencies_hz, exact_m_s, implicit_m_s, title, folder / "fig17.png")
     words = f"2005 robot: {run_figure.robot_words(study.OF_2005, study.BINGHAM)}"
-    cloud, optima = study.cloud_2005(), study.front_2005()
-    gait_figures.power_of(cloud, optima, words, folder / "front-2005.png")
+    optima = study.optima(study.OF_2005, study.BINGHAM, 0.2)
+    gait_figures.power_of(study.cloud_2005(), optima, words, folder / "front-2005.png")
     ends = [(band.frequency_hz, band.low_m_s, band.high_m_s) for band in bands]
     return study.claims(zero_gap, slow_manifold, front, ends)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..base.vectors import Array
 from ..gaits.least_power import LeastPower, power_front
 from ..model.gait import Gait
+from ..model.ground import Ground
 from ..model.presets import PRESETS
 from ..model.robot import Robot
 from ..periodic.steady import Steady, steady_gait
@@ -63,16 +64,11 @@ def papers_sweep() -> Sweep:
     )
 
 
-def papers_front() -> list[LeastPower]:
-    """Find the least-power gaits of the paper's robot over its speeds."""
-    speeds_m_s = 0.03, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7
-    return list(filter(None, power_front(ROBOT, GROUND, speeds_m_s=speeds_m_s)))
-
-
-def front_2005() -> list[LeastPower]:
-    """Find the least-power gaits of the 2005 robot over its speeds."""
-    speeds_m_s = 0.03, 0.05, 0.1, 0.15, 0.2
-    return list(filter(None, power_front(OF_2005, BINGHAM, speeds_m_s=speeds_m_s)))
+def optima(robot: Robot, ground: Ground, last_m_s: float) -> list[LeastPower]:
+    """Find a robot's least-power gaits over the paper's speeds, up to the last one."""
+    speeds_m_s = np.array([0.03, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7])
+    reachable_m_s = speeds_m_s[speeds_m_s <= last_m_s]
+    return list(filter(None, power_front(robot, ground, speeds_m_s=reachable_m_s)))
 
 
 def cloud_2005() -> Sweep:

@@ -10,7 +10,6 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ..base.files import whole_file
@@ -52,10 +51,10 @@ def figure(
         "lines.linewidth": 1.8,
         "legend.frameon": False,
         "legend.fontsize": 8,
+        "svg.hashsalt": "serpenoid",  # the same picture has the same ids
     }
     with mpl.rc_context(style):
         drawn = Figure(figsize=(width_in, height_in))
-        FigureCanvasAgg(drawn)
         yield drawn, drawn.subplots(rows, columns, **grid)
         if path is not None:
             with whole_file(path) as part:

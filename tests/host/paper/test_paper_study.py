@@ -12,7 +12,7 @@ from serpenoid.paper import study
 
 def test_claims_of_optima_follow_from_the_front() -> None:
     """A front at the paper's optimum agrees, others agree in part or differ."""
-    front = study.papers_front()
+    front = study.optima(study.ROBOT, study.GROUND, 0.7)
 
     def verdicts(alpha_deg: list[float], beta_deg: list[float]) -> dict[str, str]:
         moved = [

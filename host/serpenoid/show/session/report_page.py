@@ -9,8 +9,6 @@ from collections.abc import Callable, Iterable, Sequence
 from html import escape
 from typing import Any
 
-import matplotlib as mpl
-
 from ...friction.result import DOUBTFUL, FrictionFit
 from ...prediction.advice import Advice
 from ...prediction.comparison import Comparison
@@ -99,7 +97,7 @@ def _svg(
 ) -> str:
     """Return a drawing as a picture in the page; salted ids make it the same again."""
     file = io.BytesIO()
-    with mpl.rc_context({"svg.hashsalt": "serpenoid"}), figure(*size, **panels) as (fig, axes):
+    with figure(*size, **panels) as (fig, axes):
         draw(fig, axes, *shown)
         fig.savefig(file, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
     data = base64.b64encode(file.getvalue()).decode()

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
@@ -34,7 +33,6 @@ def tag_sheet(
     side_mm, top = 1e3 * side_m, height - MARGIN_MM
     corners = _corners(len(cells), side_mm, paper)
     fig = Figure(figsize=(width / 25.4, height / 25.4))
-    FigureCanvasAgg(fig)
     ax = fig.add_axes((0, 0, 1, 1))
     ax.set(xlim=(0, width), ylim=(0, height), aspect="equal")
     ax.axis("off")
