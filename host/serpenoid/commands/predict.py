@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 @settings("robot", "friction", "offset", "plug", "springs", "rtol")
 @flag(
     "--sensitivities",
-    "By how much 1 % more of each of seven numbers changes the speed, with ideal joints.",
+    "Changes of the speed by 1 % of each of seven numbers, with ideal joints.",
     research=True,
 )
 def steady(
@@ -69,8 +69,8 @@ def steady(
 ) -> None:
     """Find the steady motion of one gait: speed, powers, settling time, losses.
 
-    The figures are those of joints that follow the gait exactly. Beside them stands the speed with
-    servos: with any hobby servo unless --servo says which; with `ideal` it is left out.
+    The figures are those of joints that follow the gait exactly. The speed with servos is added,
+    with hobby servos unless --servo says which; `--servo ideal` leaves it out.
     """
     from ..show import report
 
@@ -110,7 +110,7 @@ def steady(
 
 
 class Expected(NamedTuple):
-    """The speed to expect of a gait: with ideal joints, with servos, and the band of a fit."""
+    """The predicted speed of a gait: with ideal joints, with servos, and with the band of a fit."""
 
     state: sn.Steady
     servo: sn.ServoSteady | None
@@ -118,17 +118,17 @@ class Expected(NamedTuple):
 
     @property
     def best(self) -> SpeedBand | sn.ServoSteady | sn.Steady:
-        """Return a fit's band, or else what servos leave of the speed."""
+        """Return the best prediction: a fit's band, else with servos, else with ideal joints."""
         follows = self.servo is None or self.servo.follows
         return (follows and self.band) or self.servo or self.state
 
     def in_words(self) -> str:
-        """Return what a builder may expect."""
+        """Return the predicted speed in a sentence."""
         words = self.best.in_words()
         return f"Predicted: {words}." if self.best is self.band else words
 
     def to_dict(self) -> Values:
-        """Return the speed with servos, and the band."""
+        """Return the speed with servos and the band, for JSON."""
         parts = {"servo": self.servo, "band": self.band}
         return {name: part.to_dict() for name, part in parts.items() if part is not None}
 
@@ -140,10 +140,10 @@ def expect(
     show_share: Callable[[float], object] | None = None,
     **samples: int,
 ) -> Expected:
-    """Return the speed to expect; servos that do not settle to one are warned of.
+    """Return the predicted speed of a gait; warns if it does not settle with servos.
 
-    show_share: called with the share of the work that is done. samples: `draws`, of servos of an
-    uncertain kind; with a fit, whose band has servos of its own, none.
+    show_share: called with the share of the work done, 0 to 1. samples: `draws`, the number of
+    sampled servos of an uncertain kind; with a fit they are in the band instead.
     """
     from ..periodic.servo_steady import with_servo
     from ..prediction.band import speed_band
@@ -160,16 +160,16 @@ def expect(
     return Expected(state, moved, band)
 
 
-MAX_GAITS = 1_000_000  # largest grid of an answer, whose text takes a gigabyte
+MAX_GAITS = 1_000_000  # Largest grid; its answer takes a gigabyte.
 span = partial(option, metavar="FIRST:LAST:STEP")
 
 
 def _span(text: str, name: str) -> list[float]:
-    """Read FIRST:LAST:STEP, or one number."""
+    """Return the numbers of FIRST:LAST:STEP, or one number; raises BadInput."""
     numbers = [parsed_number(name, part) for part in text.split(":")]
     if len(numbers) == 1:
         return numbers
-    with suppress(ValueError, ArithmeticError):  # two numbers, a step of 0, NaN
+    with suppress(ValueError, ArithmeticError):
         first, last, step = numbers
         count = int((last - first) / step + 1 + 1e-9)
         if step > 0 and 1 <= count <= MAX_GAITS:
@@ -210,7 +210,7 @@ def sweep(
     frequency_hz: str | None,
     scheduler: str | None,
 ) -> None:
-    """Solve all gaits of a grid (the paper's 4500 unless given): the fastest and the cheapest.
+    """Solve all gaits of a grid, by default the paper's 4500, and show the fastest and cheapest.
 
     Joints follow the gaits exactly. --servo adds the speed with servos and its 95 % band, at half
     a second a gait; powers stay those of ideal joints.
@@ -253,21 +253,21 @@ def sweep(
 
 
 SETTINGS["limits"] = (  # The fields of GaitLimits, whose angles are in radians
-    Setting("joint_angle_deg", "most a joint may bend", "deg", Limits(0, 180, open_low=True), "90"),
+    Setting("joint_angle_deg", "largest joint angle", "deg", Limits(0, 180, open_low=True), "90"),
     Setting(
         "servo_speed_deg_s",
-        "most a servo turns; inf: no limit",
+        "largest speed of a servo; inf: no limit",
         "deg/s",
         usual="90 % of its no-load speed",
     ),
-    Setting("servo_torque_nm", "most a servo holds", "N m", POSITIVE, "no limit"),
+    Setting("servo_torque_nm", "largest torque of a servo", "N m", POSITIVE, "no limit"),
     Setting("omega_low_rad_s", "lowest rate of the gait", "rad/s", NOT_NEGATIVE, "the search's"),
     Setting("omega_high_rad_s", "highest rate of the gait", "rad/s", POSITIVE, "the search's"),
 )
 SETTINGS["cost"] = (
     Setting(
         "cost",
-        "mean power to make least: power, abs_power or positive_power",
+        "mean power to minimise: power, abs_power or positive_power",
         usual="power",
         read=plain_text,
     ),
@@ -290,10 +290,10 @@ def optimize(
 ) -> None:
     """Find the gait that reaches a speed with least power, and that the robot can run.
 
-    Its joints stay within the board's 90 degrees, and its servos follow it: hobby servos unless
-    --servo or a session says which. It keeps 80 % of its speed when the joints' amplitude is 10 %
-    less, or friction across the links 20 % less; where no gait does, it is one that loses least.
-    --ideal leaves these limits out.
+    Joints stay within the board's 90 degrees, and servos can follow: hobby servos unless --servo or
+    a session says which. The gait keeps 80 % of its speed with 10 % less amplitude, and with 20 %
+    less friction across the links; if none does, it is the one that loses least. --ideal leaves
+    these limits out.
     """
     from ..servos.speed_limit import too_fast_text
     from ..show import report
@@ -331,18 +331,17 @@ def optimize(
 
 
 def _limits(settings: Values, ideal: bool, kind: sn.ServoKind | None) -> sn.GaitLimits:
-    """Return the limits of a search: those set, else the robot's unless ideal.
+    """Return the limits of a search: those that are set, and the robot's unless ideal.
 
-    The robot's are those of a new board, of servos that are to follow, and of the speed that is to
-    be kept.
+    The robot's limits are those of a new board, of its servos, and of the speed to be kept.
     """
     from ..servos.speed_limit import MAX_NO_LOAD_SHARE, no_load_rad_s
 
     limits = {}
-    if not ideal:  # of a new board; the share of speed is kept with friction or amplitude in doubt
+    if not ideal:  # The limits of a new board, and the share of the speed to be kept.
         limits = {"joint_angle_deg": 90.0, "servo_speed_deg_s": 500.0, "kept_speed_share": 0.8}
     if kind is not None and not ideal:
-        # The search may end 1e-4 off the rate that servos follow.
+        # The result of the search may exceed the limit by 1e-4.
         followed_deg_s = (1 - 1e-4) * MAX_NO_LOAD_SHARE * math.degrees(no_load_rad_s(kind))
         limits["servo_speed_deg_s"] = min(limits["servo_speed_deg_s"], followed_deg_s)
     values = {
@@ -353,7 +352,7 @@ def _limits(settings: Values, ideal: bool, kind: sn.ServoKind | None) -> sn.Gait
 
 
 def _as_dict(best: sn.LeastPower) -> Values:
-    """Return a gait with its cost and what it loses."""
+    """Return a gait with its cost and losses, for JSON."""
     return {
         "gait": describe(best.gait),
         "cost": best.cost,

@@ -1,4 +1,4 @@
-"""The picture of one run in time: where the snake went, how fast, and where the energy went."""
+"""Draw one run: its path, its speed, and its energies over time."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from .plot import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, figure, heading
 
 
 def run_figure(run: Run, path: Path | None) -> Figure:
-    """Draw the path seen from above, the speed, and the energy ledger where it was recorded.
+    """Return the figure of a run: path from above, speed, and energies if they were recorded.
 
-    The path is turned so that the way from start to end lies along x.
+    The path is rotated so that its end lies on the x axis. path: file to write, None for none.
     """
     ledger = run.energy_j.size > 0
     heights = [3.2, 2.0, 2.4][: 2 + ledger]
@@ -39,7 +39,7 @@ def run_figure(run: Run, path: Path | None) -> Figure:
 
 
 def scene_words(scene: Scene) -> str:
-    """Say what was run: robot, gait, drive, start, slope, faults, model, method."""
+    """Return a scene in words: robot, gait, slope, faults, drive, start, model, method."""
     start = scene.start if isinstance(scene.start, str) else "a given state"
     parts = [robot_words(scene.robot, scene.ground), gait_name(scene.gait)]
     if scene.incline_rad:
@@ -65,7 +65,7 @@ def _path(ax: Axes, turned: Run) -> None:
 
 
 def _speed(ax: Axes, run: Run) -> None:
-    """Draw the centre of mass's speed, and how far it came in the period before, by its length."""
+    """Draw the speed of the centre of mass, and its mean over the last period."""
     t, period = run.t_s, run.scene.gait.period_s
     ax.plot(t, np.hypot(*run.centre_velocity_m_s.T), color=GREY, lw=1.0, label="at the moment")
     if t[-1] > period:
@@ -77,7 +77,7 @@ def _speed(ax: Axes, run: Run) -> None:
 
 
 def _energy(ax: Axes, run: Run) -> None:
-    """Draw d(stores) = joints' work - heat, each since the start."""
+    """Draw the energies since the start: work of the joints = heat + change of stored energy."""
     energy = dict(zip(ENERGY_COLUMNS, run.energy_j.T, strict=True))
     stores = energy["kinetic_j"] + energy["springs_j"] + energy["height_j"]
     for name, values, colour in (
@@ -93,7 +93,7 @@ def _energy(ax: Axes, run: Run) -> None:
 
 
 def draw_links(ax: Axes, run: Run, index: int, lift_m: float, colour: Any) -> None:
-    """Draw the links of one recorded state as sticks, lifted, with a dot on the head."""
+    """Draw the links of a recorded state, lifted by lift_m in y, with a dot on the head."""
     x, y, angle = run.x_m[index], run.y_m[index] + lift_m, run.theta_rad[index]
     ends = np.outer([-0.5, 0.5], run.scene.robot.link_length_m * np.exp(1j * angle)) + x + 1j * y
     ax.plot(ends.real, ends.imag, color=colour, lw=3.2, solid_capstyle="round")
@@ -101,7 +101,7 @@ def draw_links(ax: Axes, run: Run, index: int, lift_m: float, colour: Any) -> No
 
 
 def draw_path(ax: Axes, run: Run) -> None:
-    """Draw the paths of tail, head and centre of mass, with a key above them."""
+    """Draw the paths of tail, head and centre of mass, with a legend above."""
     ax.plot(run.x_m[:, 0], run.y_m[:, 0], color=ORANGE, lw=1.0, label="tail")
     ax.plot(run.x_m[:, -1], run.y_m[:, -1], color=BLUE, lw=1.0, label="head")
     ax.plot(*run.centre_m.T, color="black", lw=2.0, label="centre of mass")
@@ -110,7 +110,7 @@ def draw_path(ax: Axes, run: Run) -> None:
 
 
 def along_travel(run: Run) -> Run:
-    """Turn a run so that it travels along x and starts at the origin."""
+    """Return a run rotated and moved such that it starts at the origin and travels along x."""
     x, y = run.centre_m.T
     turn = np.exp(-1j * np.arctan2(y[-1] - y[0], x[-1] - x[0]))
     place = turn * (run.x_m - x[0] + 1j * (run.y_m - y[0]))
@@ -149,7 +149,7 @@ def path_and_poses(run: Run, title: str, path: Path) -> None:
 
 
 def robot_words(robot: Robot, ground: Ground) -> str:
-    """Return the whole robot and its friction for a title."""
+    """Return a robot and the friction of the whole snake in words, for a title."""
 
     def ends(along: float | tuple[float, float]) -> str:
         return "/".join(f"{value:.3g}" for value in np.atleast_1d(along))

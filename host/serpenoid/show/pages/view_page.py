@@ -1,4 +1,4 @@
-"""A page that shows a snake crawling, a run or the model of a recorded robot, in one file."""
+"""Write a page that animates the snake, of a run or of a recording, in one file."""
 
 from __future__ import annotations
 
@@ -24,11 +24,14 @@ from ...robot.recording.stream import Stream
 from ...simulation.run import Run
 from ...video.fitting.chain import link_centres
 
-MOST_FRAMES = 3000  # Rows that a page holds: a minute of 50 a second.
+MAX_FRAMES = 3000  # Most frames of a page: one minute at 50 Hz.
 
 
 def write_page(path: Path, title: str, about: str, shown: dict[str, Any]) -> None:
-    """Write the page: it needs no other file and no network."""
+    """Write the page, which needs no other file and no network.
+
+    about: a line below the title. shown: the data, as of `of_run`.
+    """
     text, snake = (
         Path(__file__).with_name(name).read_text(encoding="utf-8")
         for name in ("view.html", "snake.js")
@@ -47,8 +50,8 @@ def write_page(path: Path, title: str, about: str, shown: dict[str, Any]) -> Non
 
 
 def of_run(run: Run) -> dict[str, Any]:
-    """Return what the page shows of a run: at most MOST_FRAMES of its rows, evenly spaced."""
-    count = min(MOST_FRAMES, run.t_s.size, 2 + int(50 * run.t_s[-1]))
+    """Return the data of the page for a run: at most MAX_FRAMES of its rows, evenly spaced."""
+    count = min(MAX_FRAMES, run.t_s.size, 2 + int(50 * run.t_s[-1]))
     rows = np.linspace(0, run.t_s.size - 1, count).astype(int)
     x_m, y_m, theta, vx, vy = (
         table[rows] for table in (run.x_m, run.y_m, run.theta_rad, run.vx_m_s, run.vy_m_s)
@@ -61,11 +64,11 @@ def of_run(run: Run) -> dict[str, Any]:
 
 
 def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, dict[str, Any]]:
-    """Return the recorded gait, and how a model moves whose joints follow the recorded set-points.
+    """Return the gait of a recording, and the data of the page.
 
-    Where frames did not arrive the joints go straight to the next set-points. The way from start to
-    end lies along x.
-    Raises BadInput for a recording without a gait, or of a robot of other links.
+    The data are the motion of a model whose joints follow the recorded set-points, interpolated
+    over lost frames. It is rotated so that its end lies on the x axis. Raises BadInput if the
+    recording has no gait, or the robot another number of links.
     """
     gait, links = longest_gait(stream), stream.setpoint_rad.shape[1] + 1
     if robot.links != links:
@@ -80,17 +83,17 @@ def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, di
     body = LabRobot(robot, (ground,))
     track, joint_rad = Floor(body).follow(np.transpose(setpoints_rad), frame_s)
     x_m, y_m = track.x_m - track.x_m[0], track.y_m - track.y_m[0]
-    way_rad = np.arctan2(y_m[-1], x_m[-1])
-    place = np.exp(-1j * way_rad) * (x_m + 1j * y_m)
-    bend = np.cumsum(np.insert(joint_rad, 0, track.heading_rad - way_rad, axis=1), axis=1)
+    travel_rad = np.arctan2(y_m[-1], x_m[-1])
+    centre = np.exp(-1j * travel_rad) * (x_m + 1j * y_m)
+    bend = np.cumsum(np.insert(joint_rad, 0, track.heading_rad - travel_rad, axis=1), axis=1)
     theta = bend + bend[:, :1] - bend.mean(axis=1, keepdims=True)
-    states = np.column_stack([place.real, place.imag, theta])
+    states = np.column_stack([centre.real, centre.imag, theta])
     centres = link_centres(states, robot.link_length_m) @ [1, 1j]
-    # The slip over each frame, across the link's mean direction.
+    # Mean slip velocity of each frame, across the mean direction of the link.
     directions = np.exp(-0.5j * (theta[1:] + theta[:-1]))
     slip_m_s = (directions * np.diff(centres, axis=0)).imag / frame_s
     shown = t_s, centres.real, centres.imag, theta, np.insert(slip_m_s, 0, 0.0, axis=0)
-    stride = math.ceil(len(t_s) / MOST_FRAMES)
+    stride = math.ceil(len(t_s) / MAX_FRAMES)
     t_s, *motion = (values[::stride] for values in shown)
     return gait, _shown(t_s, robot, ground, gait, *motion)
 
@@ -105,9 +108,10 @@ def _shown(
     theta_rad: Array,
     slip_m_s: Array,
 ) -> dict[str, Any]:
-    """Return what the page draws at N moments.
+    """Return the data of the page at N times.
 
-    (N, n) each: centres of the links, their angles, and their wheels' slip.
+    x_m, y_m, theta_rad, slip_m_s: (N, links), the links' centres and angles, and their wheels' slip
+    velocity across.
     """
     tables = {
         "t_s": t_s,
@@ -121,9 +125,9 @@ def _shown(
         "most_slip_m_s": float(np.abs(slip_m_s).max()),
         "link_length_m": robot.link_length_m,
         "period_s": gait.period_s,
-        # Sides of the box about the largest posture.
+        # Size of the box that contains every posture, with a margin.
         "extent_m": [1.6 * robot.link_length_m + np.ptp(p, axis=1).max() for p in (x_m, y_m)],
         "dry": bool(ground.fn0 > 0),
-        # To 10 µm and 10 µrad.
+        # Numbers are rounded to 10 µm and 10 µrad.
         **{name: np.round(values, 5).tolist() for name, values in tables.items()},
     }
