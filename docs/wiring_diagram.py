@@ -1,6 +1,6 @@
-"""Draw how supply, board and servos are wired, as SVGs for the page on wiring.
+"""Draw the wiring of supply, board and servos as SVGs for the page on wiring.
 
-A point where wires join is a dot; a wire that only crosses another has a bow there.
+A dot marks joined wires; a wire that crosses another without contact has a bow.
 """
 
 from __future__ import annotations
@@ -8,9 +8,9 @@ from __future__ import annotations
 from pathlib import Path
 
 RED, BLACK, ORANGE, BLUE = "#c22", "#222", "#c60", "#26a"
-WIDTH, PITCH = 580, 96  # px, of the picture and from servo to servo
+WIDTH, PITCH = 580, 96  # width of the picture and distance of servos, px
 PLUS, MINUS = (280, 110), (320, 385)  # the star points
-BOW = 6  # px, radius where a signal crosses a wire to the star
+BOW = 6  # radius of a bow, px
 Point = tuple[float, float]
 
 
@@ -21,12 +21,12 @@ def wire(colour: str, *points: Point, width: float = 2.5) -> str:
 
 
 def text(x: float, y: float, words: str, anchor: str = "middle") -> str:
-    """Return words at a place."""
+    """Return the SVG of a label at a position."""
     return f'<text x="{x:g}" y="{y:g}" text-anchor="{anchor}">{words}</text>'
 
 
 def box(x: float, y: float, width: float, height: float, *lines: str) -> str:
-    """Return a part with its name."""
+    """Return the SVG of a part with its name."""
     first = y + height / 2 + 5 - 9 * (len(lines) - 1)
     return (
         f'<rect x="{x:g}" y="{y:g}" width="{width:g}" height="{height:g}" rx="4" fill="#eef2f7" '
@@ -40,7 +40,7 @@ def dot(point: Point, colour: str, radius: float = 4) -> str:
 
 
 def servo_x(number: int) -> float:
-    """Return the middle of a servo."""
+    """Return the x of a servo's middle, px."""
     return 88 + PITCH * (number - 1)
 
 
@@ -66,22 +66,22 @@ def supply() -> str:
 
 
 def signal(x: float, y_board: float) -> str:
-    """Return a signal's wire from the board up to its servo, with a bow over each it crosses."""
-    minus_pins = {MINUS[1]}  # both wires to the star, supply's and capacitor's
+    """Return the signal wire from the board to a servo, with a bow at every crossing."""
+    crossings = {MINUS[1]}  # y, px; first that of the wires from supply and capacitor
     for number in range(1, 6):
         end = servo_x(number) + 22
         along = (x - end) / (MINUS[0] - end)
         if 0 < along < 1:
-            minus_pins.add(275 + along * (MINUS[1] - 275))
+            crossings.add(275 + along * (MINUS[1] - 275))
     bows = "".join(
-        f" V {y + BOW:g} a {BOW} {BOW} 0 0 1 0 {-2 * BOW}" for y in sorted(minus_pins)[::-1]
+        f" V {y + BOW:g} a {BOW} {BOW} 0 0 1 0 {-2 * BOW}" for y in sorted(crossings)[::-1]
     )
     path = f"M {x:g} {y_board} {bows} V 225"
     return f'<path d="{path}" fill="none" stroke="{ORANGE}" stroke-width="2.5"/>'
 
 
 def servos(y_board: float) -> str:
-    """Return five servos: wires of their own to both stars, a signal and its pull-down."""
+    """Return five servos, each with wires to both star points, a signal and a pull-down."""
     parts = []
     for number in range(1, 6):
         x = servo_x(number)
@@ -99,7 +99,7 @@ def servos(y_board: float) -> str:
 
 
 def on_pins() -> str:
-    """Return the board whose pins are the signals, with a resistor in each of them."""
+    """Return the board that gives the signals, with a resistor in each signal wire."""
     parts = [
         wire(BLACK, MINUS, (MINUS[0], 490)),
         box(30, 490, 500, 84, "", "Uno, Nano or Mega", "its 5 V pin feeds no servo"),
@@ -112,7 +112,7 @@ def on_pins() -> str:
 
 
 def on_driver() -> str:
-    """Return the PCA9685 and the board that speaks to it: signals and ground, no servo power."""
+    """Return the PCA9685 and its board: signals and ground, without servo power."""
     parts = [wire(BLACK, MINUS, (MINUS[0], 430)), box(30, 430, 500, 84, "PCA9685, V+ stays free")]
     parts += [text(MINUS[0], 448, "GND")] + [
         text(servo_x(n) - 22, 448, str(n - 1)) for n in range(1, 6)
@@ -134,7 +134,7 @@ def on_driver() -> str:
 
 
 def draw(path: Path, board: str, height: int, top_of_board: int) -> None:
-    """Write a diagram."""
+    """Write a diagram to an SVG file."""
     plug = "plug, in order: S white, yellow or orange; + red; − black or brown"
     inside = supply() + servos(top_of_board) + board + text(WIDTH / 2, height - 8, plug)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -148,7 +148,7 @@ def draw(path: Path, board: str, height: int, top_of_board: int) -> None:
 
 
 def draw_file(path: Path) -> None:
-    """Write the diagram of a file's name: for a board's pins, or for a PCA9685."""
+    """Write the diagram that the file name asks for: pins of a board, or a PCA9685."""
     if path.stem == "wiring":
         draw(path, on_pins(), 616, 490)
     else:

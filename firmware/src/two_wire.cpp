@@ -1,4 +1,4 @@
-// The AVR's own TWI unit; its status codes are those of the data sheet.
+// The two-wire bus by the TWI unit of the AVR; for status codes see its data sheet.
 #ifdef SERPENOID_PCA9685
 #include "two_wire.h"
 
@@ -11,9 +11,9 @@ namespace two_wire {
 namespace {
 
 const uint32_t kBusHz = 400000;
-const uint8_t kMaxPolls = 200;  // some 0.3 ms: a byte takes 23 µs
+const uint8_t kMaxPolls = 200;  // number of polls in some 0.3 ms; a byte takes 23 µs
 
-// Do one step of the bus; true if it ended in this status. Bytes for the host go out meanwhile.
+// Do one step of the bus, and send bytes to the host meanwhile. True if it ends with this status.
 bool step(uint8_t control, uint8_t expected_status) {
     TWCR = static_cast<uint8_t>(_BV(TWINT) | _BV(TWEN) | control);
     for (uint8_t polls = kMaxPolls; !(TWCR & _BV(TWINT));) {
@@ -44,19 +44,19 @@ bool fetch(uint8_t started, uint8_t device, uint8_t first) {
            send(static_cast<uint8_t>(device << 1 | 1), TW_MR_SLA_ACK) && step(0, TW_MR_DATA_NACK);
 }
 
-// A chip that a reset cut off in the middle of a byte holds the data line until it has had its nine
-// clocks; the unit waits for ever to start on such a bus.
+// Clock the bus until the data line is free. If a reset interrupts a byte, the chip holds the data
+// line until it has got nine clocks, and the TWI unit would wait for ever.
 void release() {
     TWCR = 0;
     for (uint8_t clocks = 9; clocks != 0 && digitalRead(SDA) == LOW; --clocks) {
-        pinMode(SCL, OUTPUT);  // low, as it was never set
+        pinMode(SCL, OUTPUT);  // low, as its output was never set high
         delayMicroseconds(5);
         pinMode(SCL, INPUT);
         delayMicroseconds(5);
     }
 }
 
-// Free the bus; a unit that hangs is switched off.
+// Send a STOP. If the unit hangs, switch it off and free the bus. False if anything failed.
 bool end(bool good) {
     TWCR = _BV(TWINT) | _BV(TWEN) | _BV(TWSTO);
     for (uint8_t polls = kMaxPolls; TWCR & _BV(TWSTO);) {
@@ -76,8 +76,8 @@ void begin() {
     release();
 }
 
-// Servos beside the bus may spoil one acknowledgement: each job is tried a second time, behind a
-// repeated START. A STOP between would let the chip show half a frame.
+// Noise of servos may spoil an acknowledgement, so each transfer is tried twice, the second time
+// after a repeated START: after a STOP the chip would output half a frame.
 bool write(uint8_t device, uint8_t first, const uint8_t* bytes, uint8_t count) {
     return end(burst(TW_START, device, first, bytes, count) ||
                burst(TW_REP_START, device, first, bytes, count));

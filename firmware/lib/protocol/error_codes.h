@@ -1,8 +1,7 @@
-// Why a line is refused: the one table of codes, causes and cures, read by the board and by the
-// host.
+// The table of errors, with causes and cures, used by the board and by the host.
 //
-// X(identifier, number, word on the wire, cause, cure). No text may contain `word:value`: a plotter
-// would draw it.
+// X(identifier, number, word on the wire, cause, cure). No text may contain `word:value`, because
+// serial plotters would plot it.
 #pragma once
 
 #include <stdint.h>

@@ -1,12 +1,12 @@
-// Robot, ground and gait in SI units and radians; Python has checked the ranges.
+// Robot, slope and gait in SI units and radians. Python checks the ranges before.
 #pragma once
 
 #include <vector>
 
 #include "model/friction_law.hpp"
 
-// For the small parts of a right-hand side: with dozens of compositions in one translation unit the
-// compiler would leave calls in the loops (a tenth of their cost).
+// For small parts of right-hand sides. With dozens of their combinations in one translation unit
+// the compiler would otherwise keep calls in the loops, which cost a tenth of the time.
 #define INLINED [[gnu::always_inline]] inline
 
 namespace serpenoid {
@@ -16,16 +16,16 @@ struct Robot {
     int n;     // links, 2 or more
     double m;  // mass of a link, kg
     double l;  // HALF the length of a link, m (the paper's l)
-    double I;  // inertia of a link about its centre, kg m^2
+    double I;  // moment of inertia of a link about its centre, kg m^2
 };
 
-// Acceleration of gravity along the plane of the ground, m/s^2, ground frame; 0 on the level.
+// Component of gravity in the plane of the ground, m/s^2, in the ground frame; 0 on level ground.
 struct Slope {
     double gx = 0, gy = 0;
 };
 
 // Joint angles phi_i = offset + gain_i alpha sin(omega t + (i - 1) beta + shift_i), i = 1..n-1;
-// Eq. 57, where every gain is 1 and every shift 0 (empty lists).
+// Eq. 57 has gains of 1 and shifts of 0, for which the lists are empty.
 struct Gait {
     double alpha, beta;  // rad
     double omega;        // rad/s

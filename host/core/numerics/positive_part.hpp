@@ -1,4 +1,4 @@
-// The integral of the positive part of a function that is known at equally spaced points.
+// The integral of the positive part of a function from its values at equally spaced points.
 #pragma once
 
 #include <algorithm>
@@ -6,8 +6,8 @@
 
 namespace serpenoid {
 
-// The integral from 0 to x of max(q, 0) for the parabola q with these values at 0, 1/2 and 1: its
-// parts between the roots, each of one sign.
+// The integral from 0 to x of max(q, 0) for the parabola q with the given values at 0, 1/2 and 1.
+// It sums the positive ones of the integrals between the roots.
 inline double positive_integral(double start, double middle, double end, double x = 1) {
     const double slope = 4 * middle - 3 * start - end;
     const double curvature = 2 * start + 2 * end - 4 * middle;
@@ -28,13 +28,12 @@ inline double positive_integral(double start, double middle, double end, double 
            std::max(primitive(x) - second, 0.0);
 }
 
-// The mean of the positive part over a stretch with five samples, and the part of the error that
-// halving the panels shows: a parabola misses a kink, and a smooth function, by the fourth power of
-// its width.
+// The mean of the positive part over an interval with five samples, and an estimate of its error
+// from panels of double width: the error of a parabola, also at a kink, is of order 4 in its width.
 struct PositiveMean {
     explicit PositiveMean(const double* p)
         : value((positive_integral(p[0], p[1], p[2]) + positive_integral(p[2], p[3], p[4])) / 2),
-          error(std::fabs(value - positive_integral(p[0], p[2], p[4])) / kGain),
+          error(std::fabs(value - positive_integral(p[0], p[2], p[4])) / kErrorRatio),
           net((7 * (p[0] + p[4]) + 32 * (p[1] + p[3]) + 12 * p[2]) / 90) {}
 
     double value;
@@ -42,7 +41,8 @@ struct PositiveMean {
     double net;  // mean of both signs, by Boole's rule
 
   private:
-    static constexpr double kGain = 8;  // ratio of errors when panels are halved; 16 for short ones
+    static constexpr double kErrorRatio =
+        8;  // error with double width over the error; 16 in the limit
 };
 
 }  // namespace serpenoid

@@ -1,4 +1,4 @@
-// Levels and errors of refinement.hpp.
+// The levels of refinement.hpp, and the error estimates of their states.
 #include "periodic/refinement.hpp"
 
 #include <algorithm>
@@ -11,38 +11,37 @@ namespace serpenoid {
 
 namespace {
 
-// What an error is stated as, by the changes from level to level. Held by random states of other
-// code (tests/host/periodic/test_random_truth.py); smooth pieces gain so much from a level to the
-// next that its change tells all but rounding.
+// Weights of the changes between levels, and of other terms, in error estimates. Tested against
+// random states from other code (tests/host/periodic/test_random_truth.py).
 struct ErrorWeights {
-    double change;            // of the last change: on smooth ground it may be half of the error
-    double last_change;       // of the change before: one may be small by luck
-    double last_multiplier;   // the same of the multiplier's logarithm
-    double multiplier = 5;    // of its last change: derivatives jump where the modes do
-    double state = 0.8;       // of the start's change and the map's error
-    double luck = 0.15;       // a power seldom changes by less than this of a tolerance
-    double rounding = 1e-15;  // of a map on smooth ground, over the scales
-    double turn = 1e-14;      // rad, least error
-    double settling = 4;      // least error of the multiplier's logarithm, over what is asked
+    double change;           // weight of the change from the last level
+    double last_change;      // weight of the change before it, as one change may be small by chance
+    double last_multiplier;  // weight of the change before the last of the multiplier's logarithm
+    double multiplier = 5;   // weight of its last change; derivatives jump where modes change
+    double state = 0.8;      // weight of the change of the start, and of the map's error
+    double power = 0.15;     // least error of a power, relative, over the tolerance
+    double rounding = 1e-15;  // error of a map on smooth ground, over the scales
+    double turn = 1e-14;      // least error of the turn, rad
+    double settling = 4;      // least relative error of the multiplier's logarithm, over rtol
 };
 constexpr ErrorWeights kSmoothErrors{2, 0.3, 1}, kDryErrors{1, 0.05, 0.3};
 
-// Tolerances of the levels, and Newton's last step on each. Exact derivatives stand for that step,
-// and miss its square.
+// Tolerances of the levels, and the goal for Newton's last step on each. This step is applied by
+// derivatives only, with an error of its square.
 struct Levels {
-    double tolerances = 60;       // of the last step
-    double roots = 0.7;           // of a tolerance, the same on dry ground where that is longer
-    double first_goal = 2.0 / 3;  // of the goal, while the start is not good to a tolerance
-    double min_goal = 1e-9;
-    double rough_goal = 0.005;  // its square is what a rough speed may be off by
-    double tighter = 0.05;      // a tolerance over the one before
-    double tightest = 1e-13;
-    double first_smooth = 1e-6;  // on smooth ground even a loose level costs as much
-    int tries = 3;               // levels that may break off
+    double goal_factor = 60;      // goal over the tolerance
+    double root_factor = 0.7;     // goal over the root of the tolerance, if larger, on dry ground
+    double first_goal = 2.0 / 3;  // factor on the goal while no start has been solved
+    double min_goal = 1e-9;       // least goal, in units of the scales
+    double rough_goal = 0.005;    // goal of a rough state, whose speed has an error of its square
+    double reduction = 0.05;      // tolerance over that of the last level
+    double min_tolerance = 1e-13;
+    double first_smooth = 1e-6;  // greatest first tolerance on smooth ground, where it costs little
+    int tries = 3;               // number of levels that may fail
 };
 constexpr Levels kLevels;
 
-// The derivative over a period in (Vx, Vy, L), of that of the image by p.
+// The derivative over a period by (Vx, Vy, L), from the derivative M of the image by p.
 Mat3 monodromy_of(Mat3 M, const CycleMap& map) {
     for (int i = 0; i < 2; ++i) {
         M[3 * i + 2] /= map.nm();
@@ -55,9 +54,9 @@ Vec3 times(const Vec3& a, const Vec3& b) { return {a[0] * b[0], a[1] * b[1], a[2
 
 }  // namespace
 
-// Speed, turn and power of the orbit's next start: those of the motion that was followed, and what
-// Newton's last step changes by derivatives. Nothing where the cycle that tells the speed of a gait
-// that turns breaks off.
+// The state of the orbit's next start: values of the followed motion, extrapolated over Newton's
+// last step by derivatives. A gait that turns needs a further cycle for its speed; if this fails,
+// there is no state.
 std::optional<SteadyState> Refinement::report(const Orbit& orbit, double tolerance) const {
     const Vec3 &scale = map_.scale(), p = times(orbit.next_start(), scale);
     const CycleState& end = orbit.end.state;
@@ -85,7 +84,8 @@ std::optional<SteadyState> Refinement::report(const Orbit& orbit, double toleran
     return state;
 }
 
-// Sums over the joints. Every joint's change from the level before counts as an error.
+// Add the positive power of all joints. Its error contains every joint's change from the last
+// level.
 void Refinement::add_positive(const JointWork& work, double remainder, SteadyState& next) {
     double change = work.error;
     positive_.resize(work.positive.size());
@@ -99,19 +99,21 @@ void Refinement::add_positive(const JointWork& work, double remainder, SteadySta
     positive_ = work.positive;
 }
 
-// Error of a level: its change from the level before, and the effects of the start's change and of
-// the map's error.
+// Set the error estimates of a level from its change to the last one, from the change of the start,
+// and from the error of the map.
 void Refinement::state_errors(const Orbit& orbit, double tolerance, SteadyState& next) {
     const bool smooth = map_.smooth();
     const ErrorWeights& weights = smooth ? kSmoothErrors : kDryErrors;
-    const double by_map = smooth ? weights.rounding : tolerance;
+    const double map_error = smooth ? weights.rounding : tolerance;
     const Vec3 &scale = map_.scale(), start = orbit.next_start();
-    double moved = 0;
-    for (int k = 0; k < 3; ++k) moved = std::max(moved, std::fabs(start[k] - last_start_[k]));
+    double start_change = 0;
+    for (int k = 0; k < 3; ++k)
+        start_change = std::max(start_change, std::fabs(start[k] - last_start_[k]));
     last_start_ = start;
-    const double state = weights.state * (weights.change * moved + by_map * orbit.condition());
+    const double state =
+        weights.state * (weights.change * start_change + map_error * orbit.condition());
     const double watts = state * orbit.sensitivity(CycleState::kDissipated, scale) / map_.time();
-    double mismatch = 0;  // W, of the joints' net work and what friction took
+    double mismatch = 0;  // difference of the joints' work and the dissipation, W
     if (options_.powers) {
         mismatch = std::fabs(orbit.end.work.net - orbit.end.state.dissipated) / map_.time();
         add_positive(orbit.end.work, mismatch + watts, next);
@@ -119,7 +121,7 @@ void Refinement::state_errors(const Orbit& orbit, double tolerance, SteadyState&
     const Change change{
         std::fabs(next.speed - coarse_.speed), std::fabs(next.power - coarse_.power),
         std::fabs(next.turn - coarse_.turn),
-        // logarithms, either of which may be that of zero
+        // Both may be the logarithm of zero.
         next.log_largest_multiplier == coarse_.log_largest_multiplier
             ? 0
             : std::fabs(next.log_largest_multiplier - coarse_.log_largest_multiplier)};
@@ -129,10 +131,10 @@ void Refinement::state_errors(const Orbit& orbit, double tolerance, SteadyState&
         return stated_error(sum, options_.rtol, value);
     };
     next.speed_error = error(&Change::speed, state * scale[0] / map_.nm(), next.speed);
-    next.power_error =
-        error(&Change::power, weights.luck * by_map * next.power + watts + mismatch, next.power);
+    next.power_error = error(&Change::power,
+                             weights.power * map_error * next.power + watts + mismatch, next.power);
     const double radians =
-        weights.luck * by_map + state * orbit.sensitivity(CycleState::kTheta, scale);
+        weights.power * map_error + state * orbit.sensitivity(CycleState::kTheta, scale);
     next.turn_error = std::max(error(&Change::turn, radians, next.turn), weights.turn);
     next.log_multiplier_error =
         std::max(weights.multiplier * change.log_largest_multiplier +
@@ -144,15 +146,16 @@ void Refinement::state_errors(const Orbit& orbit, double tolerance, SteadyState&
     last_change_ = first_ ? Change{} : change;
 }
 
-// Newton's last step is as long as so many tolerances, or as their square root where that is
-// longer; smooth pieces are too accurate for that.
+// Solve for the state at a tolerance. The goal for Newton's last step is a multiple of the
+// tolerance or of its root, but on smooth ground, where the map is more accurate, only of the
+// tolerance.
 FixedPoint::Ended Refinement::level(double tolerance, SteadyState& next) {
-    const double root = map_.smooth() ? 0 : kLevels.roots * std::sqrt(tolerance);
-    const double longest = std::max(kLevels.tolerances * tolerance, root);
+    const double root = map_.smooth() ? 0 : kLevels.root_factor * std::sqrt(tolerance);
+    const double max_step = std::max(kLevels.goal_factor * tolerance, root);
     const double goal =
         options_.rough
             ? kLevels.rough_goal
-            : std::max((point_.start_solved ? 1 : kLevels.first_goal) * longest, kLevels.min_goal);
+            : std::max((point_.start_solved ? 1 : kLevels.first_goal) * max_step, kLevels.min_goal);
     Orbit orbit;
     const auto ended = point_.solve(tolerance, goal, options_.powers, orbit);
     if (ended != FixedPoint::Ended::converged) return ended;
@@ -164,18 +167,18 @@ FixedPoint::Ended Refinement::level(double tolerance, SteadyState& next) {
     return ended;
 }
 
-// A level that breaks off at one tolerance mostly succeeds at another, so it has several tries.
+// If a level fails at one tolerance, another one mostly succeeds; so there are several tries.
 SteadyState Refinement::refine(double first_tolerance, const Acceptance& accepted) {
     SteadyState best = SteadyState::unknown();
     last_start_ = point_.start;
     point_.start_solved = false;
     double tolerance =
         map_.smooth() ? std::min(first_tolerance, kLevels.first_smooth) : first_tolerance;
-    for (int broken = 0; tolerance > kLevels.tightest;) {
+    for (int failures = 0; tolerance > kLevels.min_tolerance;) {
         SteadyState next;
         const auto ended = level(tolerance, next);
         if (ended != FixedPoint::Ended::converged) {
-            if (++broken == kLevels.tries) break;
+            if (++failures == kLevels.tries) break;
             if (point_.start_solved || ended == FixedPoint::Ended::broken)
                 point_.start = last_start_;
             tolerance /= 2;
@@ -190,7 +193,7 @@ SteadyState Refinement::refine(double first_tolerance, const Acceptance& accepte
         if (next.converged) break;
         coarse_ = next;
         first_ = false;
-        tolerance *= kLevels.tighter;
+        tolerance *= kLevels.reduction;
     }
     return best;
 }

@@ -1,4 +1,5 @@
-// The periodic state of a map at ever tighter tolerances, with the errors that the levels show.
+// The periodic state of a map at a sequence of tighter tolerances (levels), with error estimates
+// from the changes between levels.
 #pragma once
 
 #include <optional>
@@ -14,11 +15,11 @@ class Refinement {
     Refinement(CycleMap& map, FixedPoint& point, const SteadyOptions& options)
         : map_(map), point_(point), options_(options) {}
 
-    // Tighten the tolerance until a state is accepted; the best state where none is.
+    // Tighten the tolerance until a state is accepted. If none is, return the best one.
     SteadyState refine(double first_tolerance, const Acceptance& accepted);
 
   private:
-    // What changed from one level to the next.
+    // Changes from one level to the next.
     struct Change {
         double speed = 0, power = 0, turn = 0, log_largest_multiplier = 0;
     };
@@ -30,10 +31,10 @@ class Refinement {
     CycleMap& map_;
     FixedPoint& point_;
     SteadyOptions options_;
-    SteadyState coarse_;              // the level before
-    Change last_change_;              // of that level from its own coarser one
-    std::vector<double> positive_{};  // every joint's positive work of that level, J
-    Vec3 last_start_{};               // and its start
+    SteadyState coarse_;              // state of the last level
+    Change last_change_;              // change of that level from the one before it
+    std::vector<double> positive_{};  // positive work of every joint at that level, J
+    Vec3 last_start_{};               // start of that level
     bool first_ = true;
 };
 

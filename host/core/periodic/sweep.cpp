@@ -1,4 +1,4 @@
-// The threads of sweep.hpp.
+// Periodic states of many shapes and rates by threads, for sweep.hpp.
 #include "periodic/sweep.hpp"
 
 #include <algorithm>
@@ -13,8 +13,8 @@ namespace serpenoid {
 
 namespace {
 
-// Periodic states of one shape at these rates. On viscous ground by packs, unless none resolves the
-// motion or the gait steers; else by pieces.
+// Periodic states of one shape at these rates. On viscous ground packs of rates are solved by the
+// spectral method. Dry ground, steering gaits, and states that it does not resolve, use pieces.
 std::vector<SteadyState> states_of(const SweepShape& shape, const std::vector<double>& omegas,
                                    const SteadyOptions& options) {
     const auto& [robot, ground, gait] = shape;
@@ -31,7 +31,7 @@ std::vector<SteadyState> states_of(const SweepShape& shape, const std::vector<do
     return states;
 }
 
-// Share `count` tasks among threads; a task returns the number of gaits it solved.
+// Run `count` tasks by several threads; a task returns the number of gaits that it solved.
 void run_parallel(std::size_t count, int threads, const KeepRunning& keep_running,
                   const std::function<long(std::size_t)>& task) {
     std::atomic<std::size_t> next = 0;

@@ -15,23 +15,23 @@ IDEAL = f"{OPTIMIZE} 0.1 --servo ideal"  # joints that follow the gait
 
 
 def test_the_papers_optimum_with_its_error_and_losses() -> None:
-    found = answer(f"{IDEAL} --ideal")
-    assert found["gait"]["alpha_deg"] == pytest.approx(31.77, abs=0.05)
-    assert found["cost_w"] == pytest.approx(7.63769e-3, rel=2e-5)
-    assert 0 < found["cost_error_w"] < 1e-6
-    assert found["abs_power_w"] > found["positive_power_w"] > found["power_w"]
-    assert 0 < found["losses"]["friction"] < 0.1
-    assert found["ideal"] is None
+    result = answer(f"{IDEAL} --ideal")
+    assert result["gait"]["alpha_deg"] == pytest.approx(31.77, abs=0.05)
+    assert result["cost_w"] == pytest.approx(7.63769e-3, rel=2e-5)
+    assert 0 < result["cost_error_w"] < 1e-6
+    assert result["abs_power_w"] > result["positive_power_w"] > result["power_w"]
+    assert 0 < result["losses"]["friction"] < 0.1
+    assert result["ideal"] is None
 
 
 def test_a_gait_that_can_be_driven_stands_beside_the_papers_optimum() -> None:
     """Its servos follow it, its joints stay within 90 degrees, and it keeps 80 % of its speed."""
-    found = answer("optimize --speed 0.1")
-    assert found["servo"]["follows"] is True
-    assert found["gait"]["alpha_deg"] <= 90
-    assert max(found["losses"].values()) == pytest.approx(0.2, abs=2e-3)
-    paper = found["ideal"]
-    assert paper["cost_w"] < found["cost_w"]
+    result = answer("optimize --speed 0.1")
+    assert result["servo"]["follows"] is True
+    assert result["gait"]["alpha_deg"] <= 90
+    assert max(result["losses"].values()) == pytest.approx(0.2, abs=2e-3)
+    paper = result["ideal"]
+    assert paper["cost_w"] < result["cost_w"]
     assert max(paper["losses"].values()) > 0.3
 
 
@@ -96,8 +96,8 @@ def test_why_there_is_no_gait(limits: str, told: str) -> None:
 @pytest.mark.slow
 def test_the_whole_study(tmp_path: Path) -> None:
     serpenoid(f"figures --out {tmp_path}", check=True)
-    found = json.loads((tmp_path / "claims.json").read_text())
-    verdicts = {c["where"]: c["verdict"] for c in found["claims"]}
+    result = json.loads((tmp_path / "claims.json").read_text())
+    verdicts = {c["where"]: c["verdict"] for c in result["claims"]}
     assert verdicts["Fig. 6"] == verdicts["Fig. 8"] == verdicts["Fig. 9"] == "agrees"
     assert verdicts["Fig. 10"] == "in part"  # near 80 deg at some of the speeds
     assert verdicts["the search"] == "differs"
