@@ -73,10 +73,9 @@ Array sweep(const std::vector<Model>& models, std::vector<double> omegas, double
 // Periodic states of models that are all like `middle`.
 std::vector<SteadyState> solve_neighbours(const Model& middle, const std::vector<Model>& models,
                                           double rtol, bool powers, int threads, bool rough,
-                                          const std::vector<Vec3>& starts, nb::object progress) {
-    if (!starts.empty() && starts.size() != models.size()) throw nb::value_error("starts");
+                                          const std::vector<Vec3>& starts) {
     std::vector<SteadyState> states;
-    with_progress(progress, [&](const auto& keep_running) {
+    with_progress(nb::none(), [&](const auto& keep_running) {
         states = neighbours(middle, models, {rtol, powers, rough}, threads, keep_running, starts);
     });
     return states;
@@ -125,7 +124,7 @@ nb::dict run_scene(RunRequest& request, Vector start, nb::object progress) {
         nb::gil_scoped_release release;
         r = simulate(request);
     }
-    const std::size_t T = r.t.size(), n = request.robot.n;
+    const std::size_t T = r.t.size();
     nb::dict result;
     const std::pair<const char*, std::vector<double>*> parts[] = {
         {"x_m", &r.x},
@@ -288,8 +287,7 @@ NB_MODULE(_core, m) {
     m.def("steady", &steady, nb::call_guard<nb::gil_scoped_release>());
     m.attr("SPEED_FLOOR") = kSpeedFloor;
     m.def("neighbours", &solve_neighbours, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
-          nb::arg("rough") = false, nb::arg("starts") = std::vector<Vec3>{},
-          nb::arg("progress") = nb::none());
+          nb::arg("rough") = false, nb::arg("starts") = std::vector<Vec3>{});
     m.def("sweep", &sweep, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg().none(),
           nb::arg("rough") = false);
     bind_servos(m);
