@@ -108,6 +108,8 @@ def content(row: Row) -> frozenset[tuple[str, str]]:
     omitted = {"reading", "time_utc", "setup", "replaces", "comment", "more", "where", "track"}
     omitted |= {LINKS, "listed"}  # the second of older programs
     cells = {**row, **words_of(row)}
+    if places := cells.pop(PLACES, ""):  # older programs kept a typed track in its row
+        cells[TRACK_WORDS[1]] = Track.from_samples(TRACK, typed_track(places)).sha256
     return frozenset(cell for cell in cells.items() if cell[1] and cell[0] not in omitted)
 
 

@@ -61,6 +61,13 @@ def test_listed_readings_are_added_once(folder, tmp_path):
     path.write_text(text + text.split("[[reading]]")[2].join(["[[reading]]", ""]))
     assert calibrate(f"{folder} --script {path}")[1].startswith("1 reading ")
     assert [r.belt_speed_m_s for r in load_session(folder).kept_stations] == [0.5, 0.4, 0.5]
+    # A typed track that an older program kept in its row is there, too.
+    places = "0:0 2:0.045 4:0.13"
+    older = f"bend=balanced places={places.replace(' ', ',')} listed=0"
+    with (folder / "readings.csv").open("a") as file:
+        file.write(f'5,station,,1,,0,2.3,0.5,0.0325{"," * 10}"{older}",\n')
+    path.write_text(text.split("[[reading]]")[2].join(["[[reading]]", f"places = '{places}'"]))
+    assert calibrate(f"{folder} --script {path}")[1].startswith("0 readings")
 
 
 def test_readings_are_added_replaced_and_voided(folder):
