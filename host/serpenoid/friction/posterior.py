@@ -118,11 +118,15 @@ class MapEstimate:
         posterior, x, weights = self.posterior, self.x, np.where(omitted, 0.0, 1.0)
         gain = posterior.estimate_at(x, weights).covariance @ self.slopes.T
         size = np.linalg.norm(self.slopes, axis=0)
+        last_step = math.inf
         for _ in range(SOLVING.refit_steps):
             step = gain @ (weights * posterior.residuals(x[None])[0])
-            x = np.maximum(x - step, posterior.low)
-            if (np.abs(step) * size < SOLVING.refit_sigmas).all() and (x > posterior.low).all():
+            x, largest = np.maximum(x - step, posterior.low), float((np.abs(step) * size).max())
+            if not largest < last_step:
+                break
+            if largest < SOLVING.refit_sigmas and (x > posterior.low).all():
                 return posterior.estimate_at(x, weights)
+            last_step = largest
         return posterior.estimate_at(posterior.minimum(self.x, weights), weights)
 
     @property
