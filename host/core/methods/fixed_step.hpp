@@ -20,7 +20,7 @@ class FixedStep : public Method {
         steps_ = 0;
         std::copy_n(y, y_.size(), y_.begin());
     }
-    StepOutcome step(double t_limit) override {
+    const char* step(double t_limit) override {
         const double step_end = origin_ + static_cast<double>(steps_ + 1) * dt_;
         // a limit within rounding of the step's end is its end
         const double rounding = 1e-9 * dt_,
@@ -34,7 +34,7 @@ class FixedStep : public Method {
             origin_ = target;
             steps_ = 0;
         }
-        return {};
+        return nullptr;
     }
     double time() const override { return t_; }
     const double* state() const override { return y_.data(); }

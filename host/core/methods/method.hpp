@@ -7,11 +7,6 @@
 
 namespace serpenoid {
 
-struct StepOutcome {
-    bool ok = true;
-    const char* why = "";  // short cause of a failure, for the error message
-};
-
 class Method {
   public:
     virtual ~Method() = default;
@@ -19,8 +14,8 @@ class Method {
     // Start from the state y at time t; called at the beginning and after every jump of the system.
     virtual void restart(double t, const double* y) = 0;
 
-    // Take one step that ends at the limit or before it.
-    virtual StepOutcome step(double t_limit) = 0;
+    // Take one step that ends at the limit or before it; null, or the short cause of its failure.
+    virtual const char* step(double t_limit) = 0;
     virtual double time() const = 0;
     virtual const double* state() const = 0;
 

@@ -9,12 +9,11 @@
 
 #include "methods/adaptive/dop853.hpp"
 #include "methods/adaptive/mode_steps.hpp"
-#include "methods/adaptive/radau.hpp"
+#include "methods/adaptive/switched_steps.hpp"
 #include "methods/paper_scheme.hpp"
 #include "methods/rk4.hpp"
 #include "methods/stick_slip.hpp"
 #include "run/positive_work.hpp"
-#include "run/recorder.hpp"
 #include "scene/system.hpp"
 
 namespace serpenoid {
@@ -28,29 +27,41 @@ bool bounded(const double* y, int dim) {
     return std::all_of(y, y + dim, [](double value) { return std::abs(value) < kLargestState; });
 }
 
-// Steps from one jump to the next and notes the times of the grid.
+// The method of a request's name, which steps a system.
+std::unique_ptr<Method> make_method(const RunRequest& request, System& system) {
+    const auto is = [&request](const char* name) { return request.method.is(name); };
+    if (is("rk4")) return std::make_unique<Rk4>(system, request.dt);
+    if (is("paper")) return std::make_unique<PaperScheme>(system, request.dt);
+    const std::vector<double> scale = error_scale(system, request);
+    if (is("dop853")) return std::make_unique<Dop853>(system, scale, request.tolerance);
+    if (is("radau")) return std::make_unique<SwitchedSteps>(system, scale, request.tolerance);
+    if (request.formulation == Formulation::implicit)
+        return std::make_unique<StickSlip>(system, request.robot, request.ground, request.dt);
+    return std::make_unique<ModeSteps>(system, *system.sticking(), scale, mode_tolerance(request),
+                                       1e-12 / rate_unit(request));
+}
+
+// Steps from one jump to the next and records the states at the times of the grid.
 class Run {
   public:
-    // `positive`: null where none is to be found.
-    Run(const RunRequest& request, System& system, Method& method, Recorder& recorder,
-        PositiveWork* positive)
+    explicit Run(const RunRequest& request)
         : request_(request),
-          system_(system),
-          method_(method),
-          recorder_(recorder),
-          positive_(positive),
-          y_(system.dim()),
-          dense_(method.dense_order() > 0),
+          system_(request),
+          method_(make_method(request, system_)),
+          y_(system_.dim()),
+          dense_(method_->dense_order() > 0),
           steps_unchecked_(std::clamp(512L / request.robot.n, 1L, 64L)),
           unchecked_(steps_unchecked_),
-          due_(recorded(1)) {}
+          due_(recorded(1)) {
+        if (request.record_energy && dense_) positive_.emplace(system_, *method_);
+    }
 
     RunResult run() {
         system_.write_state(start_chain(request_), y_.data());
         system_.fill_chain(0, y_.data());
         system_.latch();
         begin(0);
-        recorder_.note(0, y_.data(), result_);
+        record(0);
         double t = 0;
         while (t < request_.duration && result_.why.empty() && result_.failed_at < 0) {
             const double stop = std::min(system_.next_jump(t), request_.duration);
@@ -64,23 +75,23 @@ class Run {
   private:
     void begin(double t) {
         system_.handle_jump(t, y_.data());
-        method_.restart(t, y_.data());
+        method_->restart(t, y_.data());
     }
     void smooth_part(double stop) {
         for (bool more = true; more;) {
             // without dense output the steps must end on what is recorded
             const double limit = dense_ ? stop : std::min(stop, due_);
-            const StepOutcome step = method_.step(limit);
-            const double t = method_.time();
+            const char* failure = method_->step(limit);
+            const double t = method_->time();
             more = t < stop;
-            if (!step.ok) return give_up(t, step.why);
-            if (const double e = method_.local_error(); e == e) result_.error += e;
+            if (failure) return give_up(t, failure);
+            if (const double e = method_->local_error(); e == e) result_.error += e;
             ++result_.steps;
             if (positive_) positive_->step();
             if (--unchecked_ == 0 && !checked(t)) return;
-            if (due_ <= t && !note_until(t)) return;
+            if (due_ <= t && !record_until(t)) return;
         }
-        std::copy_n(method_.state(), y_.size(), y_.begin());
+        std::copy_n(method_->state(), y_.size(), y_.begin());
     }
 
     // The k-th recorded time: the end comes last.
@@ -88,22 +99,22 @@ class Run {
         const long long step = k * request_.record_steps;
         return step >= request_.steps ? request_.duration : static_cast<double>(step) * request_.dt;
     }
-    bool note_until(double t) {
+    bool record_until(double t) {
         if (!checked(t)) return false;
         for (; !done_ && due_ <= t; due_ = recorded(++next_)) {
             const double row_time = due_;
             if (row_time == t)
-                std::copy_n(method_.state(), y_.size(), y_.begin());
+                std::copy_n(method_->state(), y_.size(), y_.begin());
             else
-                method_.dense(row_time, y_.data());
-            recorder_.note(row_time, y_.data(), result_);
+                method_->dense(row_time, y_.data());
+            record(row_time);
             done_ = row_time >= request_.duration;
         }
         return true;
     }
     bool checked(double t) {
         unchecked_ = steps_unchecked_;
-        if (!bounded(method_.state(), system_.dim())) {
+        if (!bounded(method_->state(), system_.dim())) {
             result_.failed_at = t;
             return false;
         }
@@ -124,11 +135,46 @@ class Run {
         result_.why = why;
     }
 
+    // One row: the state y_ at t.
+    void record(double t) {
+        const bool forces = request_.record_joints || request_.record_friction;
+        forces ? system_.forces(t, y_.data()) : system_.fill_chain(t, y_.data());
+        if (forces) method_->add_friction(system_);
+        const Chain& c = system_.chain();
+        result_.t.push_back(t);
+        append(result_.x, c.x);
+        append(result_.y, c.y);
+        append(result_.theta, c.theta);
+        append(result_.vx, c.vx);
+        append(result_.vy, c.vy);
+        append(result_.omega, c.omega);
+        if (request_.record_joints) {
+            append(result_.joint_fx, system_.joints().Fx);
+            append(result_.joint_fy, system_.joints().Fy);
+            append(result_.joint_torque, system_.joints().T);
+        }
+        for (int i = 0; request_.record_friction && i < request_.robot.n; ++i) {
+            result_.friction_x.push_back(c.fx[i] - request_.robot.m * request_.slope.gx);
+            result_.friction_y.push_back(c.fy[i] - request_.robot.m * request_.slope.gy);
+        }
+        if (request_.record_energy) {
+            double row[EnergyLedger::kColumns];
+            system_.ledger_row(y_.data(), row);
+            if (positive_) row[EnergyLedger::kColumns - 1] = positive_->until(t);
+            result_.energy.insert(result_.energy.end(), row, row + EnergyLedger::kColumns);
+        }
+    }
+    void append(std::vector<double>& column, const std::vector<double>& row) const {
+        // all rows at once: a column that grows is copied over and over
+        const auto rows = static_cast<std::size_t>(request_.steps / request_.record_steps + 2);
+        if (column.empty()) column.reserve(rows * row.size());
+        column.insert(column.end(), row.begin(), row.end());
+    }
+
     const RunRequest& request_;
-    System& system_;
-    Method& method_;
-    Recorder& recorder_;
-    PositiveWork* positive_;
+    System system_;
+    const std::unique_ptr<Method> method_;
+    std::optional<PositiveWork> positive_;
     std::vector<double> y_;
     RunResult result_;
     std::chrono::steady_clock::time_point question_time_ = std::chrono::steady_clock::now();
@@ -137,30 +183,8 @@ class Run {
     double due_;
 };
 
-// The method of a request's name, which steps a system.
-std::unique_ptr<Method> make_method(const RunRequest& request, System& system) {
-    const auto is = [&request](const char* name) { return request.method.is(name); };
-    if (is("rk4")) return std::make_unique<Rk4>(system, request.dt);
-    if (is("paper")) return std::make_unique<PaperScheme>(system, request.dt);
-    const std::vector<double> scale = error_scale(system, request);
-    if (is("dop853")) return std::make_unique<Dop853>(system, scale, request.tolerance);
-    if (is("radau")) return std::make_unique<Radau>(system, scale, request.tolerance);
-    if (request.formulation == Formulation::implicit)
-        return std::make_unique<StickSlip>(system, request.robot, request.ground, request.dt);
-    return std::make_unique<ModeSteps>(system, *system.sticking(), scale, mode_tolerance(request),
-                                       1e-12 / rate_unit(request));
-}
-
 }  // namespace
 
-RunResult simulate(const RunRequest& request) {
-    System system(request);
-    const std::unique_ptr<Method> method = make_method(request, system);
-    std::optional<PositiveWork> positive;
-    if (request.record_energy && method->dense_order() > 0) positive.emplace(system, *method);
-    PositiveWork* const work = positive ? &*positive : nullptr;
-    Recorder recorder(request, system, *method, work);
-    return Run(request, system, *method, recorder, work).run();
-}
+RunResult simulate(const RunRequest& request) { return Run(request).run(); }
 
 }  // namespace serpenoid

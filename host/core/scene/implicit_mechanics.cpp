@@ -12,7 +12,7 @@ namespace serpenoid {
 namespace {
 
 double mean(const std::vector<double>& values) {
-    return std::accumulate(values.begin(), values.end(), 0.0) / values.size();
+    return std::reduce(values.begin(), values.end()) / values.size();
 }
 
 // Coordinates: x, y of the centre of mass, the gaps of all joints (x of each, then y of each),

@@ -90,7 +90,7 @@ def test_ringing_below_the_tolerance_is_stepped_over() -> None:
     assert run.steps < 300
 
 
-@pytest.mark.parametrize(("k", "c"), [(1e5, 1.0), (1e5, 32.0), (1e7, 320.0)])
+@pytest.mark.parametrize(("k", "c"), [(1e5, 1.0), (1e7, 1.0), (1e5, 32.0), (1e7, 320.0)])
 def test_errors_do_not_add_up_over_many_steps(k: float, c: float) -> None:
     """Each corner of a table of torques makes 24 links ring; their errors all lean to one side."""
     led = sn.Scene(sn.Robot(24, 1.0, 0.12), VISCOUS, STIFF.gait, method="rk4", record=("joints",))
@@ -113,6 +113,17 @@ def test_errors_do_not_add_up_over_many_steps(k: float, c: float) -> None:
         assert tc.off(tc.places(run), tc.places(exact), scene.robot) < tolerance
 
 
+def test_links_of_a_milligram_follow_stiff_servos_on_dry_ground() -> None:
+    """Behind each frame they move within microseconds, in which wheels must not change for ever."""
+    servo = sn.Servo(20.0, 1.0, torque_limit_nm=10.0, speed_limit_rad_s=10.0)
+    driven = replace(STIFF, formulation="explicit", method="nonsmooth", drive="servo", servo=servo)
+    scene = replace(driven, ground=sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27))
+    heavy, light = (
+        sn.simulate(replace(scene, robot=sn.Robot(2, mass_kg, 0.076))) for mass_kg in (1e-5, 1e-6)
+    )
+    assert np.abs(heavy.x_m - light.x_m).max() < 1e-5
+
+
 def test_where_a_fixed_step_is_refused_this_method_is_named_and_runs() -> None:
     with pytest.raises(sn.StepTooLarge, match="method 'radau'"):
         sn.simulate(replace(STIFF, method="rk4"))
@@ -127,10 +138,10 @@ def test_recorded_times_lie_on_the_motion() -> None:
         sn.simulate(replace(STIFF, record=("joints",), tolerance=tolerance))
         for tolerance in (1e-6, 1e-9)
     )
-    assert run.steps < 30
+    assert run.steps < 40
     assert len(run.t_s) == 301
     assert np.abs(run.x_m - fine.x_m).max() < 1e-6
-    assert np.abs(run.omega_rad_s - fine.omega_rad_s).max() < 1e-5
+    assert np.abs(run.omega_rad_s - fine.omega_rad_s).max() < 2e-5
     scale = np.abs(fine.joint_force_x_n).max()
     assert np.abs(run.joint_force_x_n - fine.joint_force_x_n).max() < 1e-3 * scale
 

@@ -91,7 +91,7 @@ bool Dop853::stiff(double h) {
     return stiff_steps_ >= 15;
 }
 
-StepOutcome Dop853::step(double t_limit) {
+const char* Dop853::step(double t_limit) {
     std::copy_n(k(kStages), dim_, k(0));
     std::swap(y_old_, y_);
     t_old_ = t_;
@@ -101,7 +101,7 @@ StepOutcome Dop853::step(double t_limit) {
         if (last) h = t_limit - t_old_;
         if (!(h > 4e-16 * std::fabs(t_old_))) {
             y_ = y_old_;
-            return {false, "its step fell below the resolution of time"};
+            return "its step fell below the resolution of time";
         }
         stages(h);
         error_ = error(h);
@@ -118,8 +118,8 @@ StepOutcome Dop853::step(double t_limit) {
         h_next_ = std::max(h * std::clamp(factor, 0.3, 6.0), last ? h_next_ : 0);
         error_old_ = std::max(error_, 1e-4);
         if (stiff(h) && t_limit - t_ > kMostStiff * h)
-            return {false, "the scene is stiff: an explicit method would take millions of steps"};
-        return {};
+            return "the scene is stiff: an explicit method would take millions of steps";
+        return nullptr;
     }
 }
 

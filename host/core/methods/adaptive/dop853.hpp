@@ -27,7 +27,7 @@ class Dop853 final : public Method {
 
     // With a first step as long as the next one would have been.
     void restart(double t, const double* y) override;
-    StepOutcome step(double t_limit) override;
+    const char* step(double t_limit) override;
     double time() const override { return t_; }
     const double* state() const override { return y_.data(); }
     int dense_order() const override { return 7; }

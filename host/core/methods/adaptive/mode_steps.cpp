@@ -12,7 +12,7 @@ ModeSteps::ModeSteps(System& system, Sticking& modes, const std::vector<double>&
                      double tolerance, double min_step)
     : modes_(modes),
       explicit_(system, scale, tolerance),
-      stiff_(system, scale, tolerance),
+      stiff_(system, scale, tolerance, {.resolved = 1, .rate = 0.1}),
       stiff_decay_(std::min(6.0, 0.07 * stiff_.unknowns() * stiff_.unknowns())),
       min_step_(min_step),
       y_(system.dim()),
@@ -102,29 +102,27 @@ void ModeSteps::check_stiffness() {
     if (smooth_ == &stiff_) return;
     stiff_steps_ = std::max(0, stiff_steps_ + (explicit_.decay() > stiff_decay_ ? 1 : -1));
     if (stiff_steps_ < kStiffSteps) return;
-    stiff_.restart_with_step(t_, y_.data(), explicit_.next_step());
+    stiff_.begin(t_, y_.data(), explicit_.next_step(), 0);
     smooth_ = &stiff_;
 }
 
-StepOutcome ModeSteps::step(double t_limit) {
+const char* ModeSteps::step(double t_limit) {
     check_stiffness();
     if (mode_ends_) {
         repeats_ = t_ - last_end_ > kProgress * min_step_ ? 0 : repeats_ + 1;
-        if (repeats_ > kMaxRepeats)
-            return {false, "the wheels stick and slip too often to be followed"};
+        if (repeats_ > kMaxRepeats) return "the wheels stick and slip too often to be followed";
         last_end_ = t_;
         modes_.find_modes(t_, y_.data());
         last_sample_.reset();
         smooth_->restart(t_, y_.data());
     }
     const double start = t_;
-    const StepOutcome outcome = smooth_->step(t_limit);
-    if (!outcome.ok) return outcome;
+    if (const char* failure = smooth_->step(t_limit)) return failure;
     mode_ends_ = find_end(start, smooth_->time());
     if (!mode_ends_) t_ = smooth_->time();
     dense(t_, y_.data());
     if (!mode_ends_) mode_ends_ = modes_.creeps(t_, y_.data());
-    return outcome;
+    return nullptr;
 }
 
 void ModeSteps::dense(double t, double* y) const {

@@ -22,7 +22,7 @@ class ModeSteps final : public Method {
               double min_step);
 
     void restart(double t, const double* y) override;
-    StepOutcome step(double t_limit) override;
+    const char* step(double t_limit) override;
     double time() const override { return t_; }
     const double* state() const override { return y_.data(); }
     int dense_order() const override { return 7; }
