@@ -1,8 +1,8 @@
-"""From the chain over time to numbers: rate, every joint's sine, speed, direction and turn.
+"""Fit rate, joint sines, speed, direction and turn to the track of the chain.
 
-Joints: phi_i = offset_i + sum_k (a_k cos k w t + b_k sin k w t), one rate w for all; amplitude and
-phase are those of k = 1. Path: z(t) = z_0 + V (e^{i W t} - 1) / (i W) + e^{i W t} sum_k c_k
-e^{i k w t}: the middle of the robot goes at the mean velocity V, which turns at the rate W.
+The joints are phi_i = offset_i + sum_k (a_k cos k w t + b_k sin k w t) with one rate w for all;
+amplitude and phase are those of k = 1. The path of the robot's centre is z(t) = z_0 + V (e^{i W t}
+- 1) / (i W) + e^{i W t} sum_k c_k e^{i k w t}, with the mean velocity V, which turns at the rate W.
 """
 
 from __future__ import annotations
@@ -19,13 +19,14 @@ from .fitting.frames import Track
 
 @dataclass(frozen=True)
 class Motion:
-    """What the robot did, steady over the film, with what is left over.
+    """The steady motion of the robot in a film, with residuals; time 0 is the middle of the film.
 
-    omega_rad_s; amplitude_rad, phase_rad, offset_rad (joints,), phase of the sine at time 0;
-    velocity_m_s (2,): mean at time 0, in the plane; turn_rad_s; heading_rad: mean of the links' at
-    time 0. Time 0 is the middle of the film, as in t_s (frames,). Residuals of joints (frames,
-    joints), mean heading (frames,) rad, and path (frames,) m; the weights of joints and of the
-    path; the joints' coefficients (1 + 2 HARMONICS, joints).
+    omega_rad_s: angular rate of the gait. amplitude_rad, phase_rad, offset_rad: (joints,); phases
+    are those of the sines at time 0. velocity_m_s: (2,), mean velocity at time 0. turn_rad_s: rate
+    of turn. heading_rad: mean heading of the links at time 0. t_s: (frames,). joint_residual_rad:
+    (frames, joints). heading_residual_rad: (frames,). path_residual_m: (frames,), complex. weight,
+    path_weight: weights of joints and path in the fit, (frames, joints) and (frames,).
+    coefficients: of the joints, (1 + 2 HARMONICS, joints).
     """
 
     omega_rad_s: float
@@ -45,19 +46,20 @@ class Motion:
 
     @property
     def speed_m_s(self) -> float:
-        """Return the mean speed along the path."""
+        """Return the mean speed along the path, m/s."""
         return float(np.hypot(*self.velocity_m_s))
 
     @property
     def direction_rad(self) -> float:
-        """Return the direction of travel from where the links point in the mean; 0: head first."""
-        way = np.arctan2(self.velocity_m_s[1], self.velocity_m_s[0]) - self.heading_rad
-        return float(wrapped(way))
+        """Return the direction of travel relative to the mean heading, rad; 0: head first."""
+        travel_rad = np.arctan2(self.velocity_m_s[1], self.velocity_m_s[0])
+        return float(wrapped(travel_rad - self.heading_rad))
 
     def numbers(self) -> Array:
-        """Return what errors are wanted of.
+        """Return the numbers that have standard uncertainties, in SI.
 
-        Rate, amplitudes, phases beside the tail joint's, offsets, direction, speed, turn.
+        They are the rate, the amplitudes, the phases of all joints but the tail's relative to it,
+        the offsets, direction, speed and turn.
         """
         return np.concatenate(
             [
@@ -71,9 +73,9 @@ class Motion:
 
 
 def first_rate(t_s: Array, phi: Array, weight: Array) -> float:
-    """Return the rate at which one sine explains most of the joints, rad/s; 0 for none."""
+    """Return the rate, rad/s, at which one sine explains the joints best; 0 if there is none."""
     unit = 2 * np.pi / (t_s[-1] - t_s[0])
-    # A rate of 40 rad/s, 6.4 Hz, is beyond any hobby servo.
+    # No hobby servo reaches 40 rad/s, 6.4 Hz.
     high = min(40.0, 0.9 * np.pi / float(np.median(np.diff(t_s))))
     rates = np.arange(0.6 * unit, high, 0.1 * unit)
     explained = []
@@ -84,9 +86,9 @@ def first_rate(t_s: Array, phi: Array, weight: Array) -> float:
 
 
 def sine_covariance(t_s: Array, omega: float, sine: Array, residual: Array, weight: Array) -> Array:
-    """Return the covariance of a joint's coefficients and its rate, (2 + 2 HARMONICS,) squared.
+    """Return the covariance of a joint's coefficients and rate, (2 + 2 HARMONICS,) squared.
 
-    sine: the coefficients; rest: what they leave, (frames,).
+    sine: the coefficients, (1 + 2 HARMONICS,). residual, weight: (frames,).
     """
     waves = basis(t_s, omega)
     columns = np.column_stack([waves, basis_by_rate(t_s, waves) @ sine])
@@ -95,7 +97,10 @@ def sine_covariance(t_s: Array, omega: float, sine: Array, residual: Array, weig
 
 
 def mean_variance(residual: Array, weight: Array, unknowns: int) -> float:
-    """Return the weighted residuals' variance, times the factor of their correlation."""
+    """Return the variance of weighted residuals, times the factor of their correlation.
+
+    unknowns: number of fitted parameters.
+    """
     scaled = residual * np.sqrt(weight)
     mask = weight > 0
     free = max(1, int(mask.sum()) - unknowns)
@@ -103,9 +108,9 @@ def mean_variance(residual: Array, weight: Array, unknowns: int) -> float:
 
 
 def path_basis(t_s: Array, omega: float, turn: float) -> Complex:
-    """Return the columns of the path's formula: 1, V's, then e^{i (W + k w) t}."""
+    """Return the columns (frames, ...) of the path: for z_0, for V, and e^{i (W + k w) t}."""
     rotation = np.exp(1j * turn * t_s)
-    straight_rad = 1e-9  # Turn over the film below which it is none: the formula divides by it.
+    straight_rad = 1e-9  # Turn below which the path is straight: the formula divides by it.
     travel = t_s + 0j if abs(turn) * np.ptp(t_s) < straight_rad else (rotation - 1) / (1j * turn)
     orders = [k for k in range(-HARMONICS, HARMONICS + 1) if k]
     waves = [rotation * np.exp(1j * k * omega * t_s) for k in orders]
@@ -115,9 +120,10 @@ def path_basis(t_s: Array, omega: float, turn: float) -> Complex:
 def fit_motion(
     track: Track, weight: Array, path_weight: Array, omega: float | None = None
 ) -> Motion:
-    """Fit rate, sines, path and turn to a track.
+    """Return the motion fitted to a track.
 
-    weight (frames, joints) of the joints, path_weight (frames,). omega: the rate to start from.
+    weight: of the joints, (frames, joints). path_weight: (frames,). omega: rate from which the fit
+    starts, rad/s; None: it is searched for.
     """
     t_s, states = track.t_s - track.t_s.mean(), track.states
     phi = joint_angles(states)
@@ -149,9 +155,9 @@ def fit_motion(
 
 
 def correlation_factor(residual: Array) -> float:
-    """Return by how much the variance of a mean of such residuals exceeds that of independent ones.
+    """Return the variance of the mean of residuals over that of independent ones.
 
-    1 + 2 sum of autocorrelations, summed in pairs while these are above 0.
+    It is 1 + 2 times the sum of autocorrelations, in pairs as long as these are positive.
     """
     r = residual - residual.mean()
     n = len(r)

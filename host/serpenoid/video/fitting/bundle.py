@@ -1,8 +1,8 @@
-"""Camera, lens and tag mountings, fitted together with the chain in each of some frames.
+"""Bundle adjustment: fit camera, lens and tag mountings together with the chain in some frames.
 
-Least squares of the corners' pixels; the states of single frames are eliminated (Schur), so that
-a step costs little whatever the number of frames. Neighbouring links meet at their joint because
-the states know nothing else; the link length is the scale.
+It is a least-squares fit to the corners in pixels. The states of single frames are eliminated by a
+Schur complement, so that a step is fast for any number of frames. The states are angles of a chain
+whose links meet at the joints, and the link length sets the scale.
 """
 
 from __future__ import annotations
@@ -15,18 +15,18 @@ from ..arrays import Array
 from ..seeing.sightings import Sightings
 from .camera import LENS, Camera
 
-OUTLIER = 3.0  # Residual of a tag, in sigmas, from which its weight falls.
-# Weight that keeps a frame's own state, else free, from running away where no tag holds it.
+OUTLIER = 3.0  # Residual of a tag, in sigmas, above which its weight decreases.
+# Weight of a frame's first angles, which determines those that no tag shows.
 LOOSE_PER_RAD = 1.0 / np.radians(30.0)
 
 
 @dataclass(frozen=True)
 class Bundle:
-    """What the fit found.
+    """The result of the bundle adjustment.
 
-    camera; covariance of its shared unknowns, from the scatter of the frames; noise_px: standard
-    deviation of a corner; side_m: the printed side of a tag; turns (links,): how tags are turned on
-    their links, in whole quarter turns, rad; cost: of the fit.
+    camera: the fitted camera. covariance: of its shared parameters, from the scatter of the frames.
+    noise_px: standard deviation of a corner's coordinate. side_m: printed side of a tag. turns:
+    (links,), rotation of each tag on its link, in whole quarter turns, rad. cost: of the fit.
     """
 
     camera: Camera
@@ -38,10 +38,10 @@ class Bundle:
 
     @property
     def scale_off(self) -> float:
-        """Return how far links and tags disagree, relative: then all lengths may be as far off.
+        """Return the relative disagreement of links and tags, an uncertainty of all lengths.
 
-        0 for what comes of tags put on askew, and for two links, of which none has two joints that
-        tell its length.
+        It is 0 up to 2.5 %, which tags that are not laid along their links explain, and for two
+        links, which have one joint and so no measured length.
         """
         excess, askew, pair = abs(self.camera.side_m / self.side_m - 1.0), 0.025, 2
         return excess if excess > askew and self.camera.links > pair else 0.0
@@ -56,13 +56,14 @@ def fit(
     steps: int = 40,
     rough: bool = False,
 ) -> Bundle:
-    """Fit camera and states to the sightings.
+    """Return the bundle adjustment of a camera and states (frames, links + 2) to sightings.
 
-    rough: with a plain lens and a fixed noise, so that costs of several starts can be compared.
+    side_m: printed side of a tag. turns: (links,), as of Bundle. steps: most steps. rough: fit with
+    an ideal lens and a fixed noise, so that the costs of several starts can be compared.
     """
-    # Means and sigmas before any film: focal length (log), k1, k2, principal point (of the longer
-    # side), tilts, distance (log), the tag's printed side (log; a rule is held against the sheet),
-    # readout (s); and of each tag that a person puts on: place m, turn rad, height m, slopes.
+    # Prior means and sigmas: log of the focal length, k1, k2, principal point (over the longer
+    # side), tilts, log of the distance, log of a tag's side (checked with a ruler), readout time in
+    # s; and for each tag, as a person lays it: position in m, rotation in rad, height in m, slopes.
     lens_mean = [np.log(0.9), 0, 0, 0, 0, *camera.shared[5:8], np.log(side_m), 0.012]
     lens_sigma = [0.5, 0.1, 0.04, 0.01, 0.01, 10.0, 10.0, 10.0, 0.01, 0.012]
     mounting_sigma = [0.005, 0.005, np.radians(2.0), 0.002, 0.03, 0.03]
@@ -70,7 +71,7 @@ def fit(
     prior_mean = mean.with_turns(turns).shared
     sigma = np.append(lens_sigma, mounting_sigma * camera.links)
     if rough:
-        sigma[1:5] *= 0.05  # distortion and principal point
+        sigma[1:5] *= 0.05  # Distortion and principal point.
     point = _Point(sightings, states, prior_mean, sigma, camera, states, noise_px=0.3)
     damping, cost = 1e-3, point.cost()
     settled_damping, lost_damping = 1e-6, 1e6
@@ -92,7 +93,7 @@ def fit(
 
 
 def misses(camera: Camera, states: Array, s: Sightings) -> Array:
-    """Return found less expected pixels (frames, links, 4, 2), 0 where nothing was found."""
+    """Return found less expected corners, px, (frames, links, 4, 2); 0 for tags not found."""
     image = camera.image(camera.corners(states)) + camera.readout_s * s.skew
     return np.where(s.visible[..., None, None], s.corners_px - image, 0.0)
 
@@ -105,10 +106,11 @@ def rms(misses_px: Array) -> Array:
 def equations(
     camera: Camera, states: Array, s: Sightings, noise_px: float, shared: bool = False
 ) -> tuple[Array, Array]:
-    """Return derivatives by the states, and misses, with each tag's weight.
+    """Return weighted derivatives by the states, and weighted misses.
 
-    Each (frames, 8 links, unknowns), the misses (frames, 8 links, 1); before them stand the
-    derivatives by what is shared, if asked for. The weight is 1, less for outliers, 0 for none.
+    The derivatives are (frames, 8 links, states) and the misses (frames, 8 links, 1). shared:
+    whether the derivatives by the shared parameters precede the misses in the second array. The
+    weight of a tag is 1, less for outliers, and 0 if it was not found.
     """
     residual = misses(camera, states, s)
     share = np.minimum(1.0, OUTLIER / np.maximum(rms(residual) / noise_px, 1e-9))
@@ -118,7 +120,7 @@ def equations(
         by_shared = camera.by_shared(states)
         by_shared[..., len(LENS) - 1] = s.skew
         columns = np.concatenate([by_shared, columns], axis=-1)
-    # A tag that was not found may be expected behind the camera, at NaN.
+    # The expected corners of a tag that was not found may be behind the camera, at NaN.
     a, b = (np.where(root > 0, part * root, 0.0) for part in (camera.by_states(states), columns))
     shape = len(states), 8 * s.links, -1
     return a.reshape(shape), b.reshape(shape)
@@ -126,9 +128,9 @@ def equations(
 
 @dataclass(frozen=True)
 class _Point:
-    """Hold sightings, priors, and the unknowns of a moment of the fit.
+    """Sightings, priors, and the present parameters of the fit.
 
-    start: states that the fit began with, to which frames are loosely held.
+    start: initial states, towards which frames are weakly regularised.
     """
 
     sightings: Sightings
@@ -140,10 +142,10 @@ class _Point:
     noise_px: float
 
     def noise(self) -> float:
-        """Return the standard deviation of a corner's coordinate, px, robustly."""
+        """Return a robust estimate of the standard deviation of a corner's coordinate, px."""
         s = self.sightings
         residual = misses(self.camera, self.states, s)[s.visible]
-        # Of 8 numbers a tag, some 3 go into its frame's state.
+        # Of the 8 coordinates of a tag, some 1.5 are used up by the frame's state.
         return max(0.02, 1.4826 * float(np.median(np.abs(residual))) * np.sqrt(8 / 6.5))
 
     def _from_prior(self) -> tuple[Array, Array]:
@@ -152,7 +154,7 @@ class _Point:
         return (self.camera.shared - self.prior_mean) / self.sigma, drift
 
     def cost(self) -> float:
-        """Return the sum of squares; an outlier's grows no faster than its distance."""
+        """Return the sum of squares, which grows linearly beyond OUTLIER (Huber)."""
         distance = rms(misses(self.camera, self.states, self.sightings)) / self.noise_px
         if not np.isfinite(distance).all():
             return np.inf
@@ -161,9 +163,10 @@ class _Point:
         return 8 * float(squares.sum()) + float(sum(priors))
 
     def _normal(self, damping: float = 0.0) -> tuple[Array, Array, Array]:
-        """Return the normal equations of the shared unknowns: matrix, scores, the frames' part.
+        """Return matrix and scores of the shared parameters, and the steps of the frames' states.
 
-        The matrix has the priors, each frame's score has not. damping holds the frames' states.
+        The matrix contains the priors; the scores (frames, shared) do not. damping: factor of the
+        diagonal that is added to the frames' matrices.
         """
         a, targets = equations(self.camera, self.states, self.sightings, self.noise_px, shared=True)
         unit = np.eye(a.shape[-1])
@@ -192,12 +195,12 @@ class _Point:
         )
 
     def covariance(self) -> Array:
-        """Return the covariance from how the frames' scores scatter, and from the priors."""
+        """Return the covariance from the scatter of the frames' scores, and from the priors."""
         matrix, score, _ = self._normal()
         inverse = np.linalg.inv(matrix)
         frames = len(score)
         centred = score - score.mean(axis=0)
-        # The frames' scatter counts twice: errors of edges follow the tags' angle and place, so
-        # that frames are not independent (found by films of known truth).
+        # The scatter is doubled, because frames are not independent: errors of edges depend on the
+        # tags' angle and position. The factor is from rendered films.
         scatter = 2.0 * centred.T @ centred * frames / (frames - 1)
         return inverse @ (scatter + np.diag(1 / self.sigma**2)) @ inverse
