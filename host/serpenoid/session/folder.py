@@ -189,8 +189,13 @@ def read_session(folder: str | Path) -> Session:
             "comment": "; ".join(filter(None, (voided.get(number), row["comment"]))),
         }
         with located(row["where"]):
-            if number not in voided:
-                _check_facing(row)
+            facing = words_of(row).get("facing", "")
+            if number not in voided and facing in ("up", "back"):
+                raise BadInput(
+                    f"reading {number} has facing={facing}: its wheels rolled backwards, and a fit "
+                    "knows one friction along the wheels. If they roll alike both ways, take that "
+                    "word out of its line; else void the reading"
+                )
             session = session.with_reading(make_reading(row, common | _track(row, kind, folder)))
     links = str(setup.robot.links)
     counts = {n: words_of(row).get(LINKS, links) for n, row in rows.items() if n not in voided}
@@ -331,17 +336,6 @@ def _voided(rows: Numbered, events: Sequence[Event], path: Path) -> dict[int, st
         if event.event == "undo":
             why.pop(int(rows[event.reading]["replaces"] or 0), None)
     return why
-
-
-def _check_facing(row: Row) -> None:
-    """Raise BadInput for a reading of wheels that rolled backwards, as older programs took them."""
-    facing = words_of(row).get("facing", "")
-    if facing in ("up", "back"):
-        raise BadInput(
-            f"reading {row['reading']} has facing={facing}: its wheels rolled backwards, and a fit "
-            "knows one friction along the wheels. If they roll alike both ways, take that word out "
-            "of its line; else void the reading"
-        )
 
 
 def _track(row: Row, kind: type[Observation], folder: Path) -> dict[str, Track]:
