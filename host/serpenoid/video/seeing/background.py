@@ -28,18 +28,6 @@ class Background:
         self.picture: Any = None
         self._next_s = -np.inf
 
-    def _begin(self, picture: Grey, window: tuple[int, int, int, int]) -> None:
-        import cv2
-
-        self.picture, self.window = np.array(picture), window
-        free = np.full(picture.shape, 255, np.uint8)
-        left_px, top, right, bottom = window
-        free[top:bottom, left_px:right] = 0
-        self._first = _even(self.picture)
-        self._points: Any = cv2.goodFeaturesToTrack(  # (points, 1, 2) float32
-            self.picture, 150, 0.02, PATCH_PX, mask=free, blockSize=7
-        )
-
     @property
     def plain(self) -> bool:
         """Return whether the floor has too few points that can be followed."""
@@ -56,7 +44,14 @@ class Background:
             return
         self._next_s = time_s + 0.5
         if window and self.picture is None:
-            self._begin(picture, window)
+            self.picture, self.window = np.array(picture), window
+            free = np.full(picture.shape, 255, np.uint8)
+            left_px, top, right, bottom = window
+            free[top:bottom, left_px:right] = 0
+            self._first = _even(self.picture)
+            self._points: Any = cv2.goodFeaturesToTrack(  # (points, 1, 2) float32
+                self.picture, 150, 0.02, PATCH_PX, mask=free, blockSize=7
+            )
             return
         self.looks += 1
         if self._points is None:
