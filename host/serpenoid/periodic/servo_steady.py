@@ -205,7 +205,7 @@ def servo_state(
     cycles done and those in all; may raise to stop.
     """
     # Two thousand steps a cycle, of 1 to 2 ms.
-    fine_s = np.clip(ideal.gait.period_s / 2000, 1e-3, 2e-3)
+    fine_s = min(max(ideal.gait.period_s / 2000, 1e-3), 2e-3)
     step = min(4e-3 if rough else fine_s, servo.frame_s / 4)
     return _core.servo_gait(
         core_model(ideal.robot, ideal.ground, ideal.gait),
