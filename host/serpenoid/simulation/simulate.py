@@ -150,7 +150,7 @@ def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:
     """
     k, c = scene.joint_stiffness_n_m, scene.joint_damping_n_s_m
     m, braking = scene.robot.link_mass_kg, friction_rate(scene)
-    # Motors and given torques change forces within 10 ms.
+    # A step is 1 mrad of the gait, 1 % of the time in which friction brakes, and 10 us for torques.
     fastest = max(1e3 * scene.gait.omega_rad_s, 100 * braking, 1e5 * (scene.drive != "angle"))
     h = max(1 / fastest, 1e-12)
     short = replace(scene, start=start, dt_s=h, duration_s=4 * h, record_every=1)
