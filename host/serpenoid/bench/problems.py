@@ -75,7 +75,7 @@ def paper_robot(links: int = 6, mass_kg: float = 1.0) -> Robot:
     return Robot(links, mass_kg, 0.12)
 
 
-PAPER_GROUND = PRESETS["paper"][1]
+PAPER_GROUND = PRESETS["paper"][1]  # Friction of the 2005 paper, viscous.
 
 
 def springs(k: float, c: float) -> dict[str, Any]:
@@ -110,7 +110,7 @@ def problems() -> tuple[Problem, ...]:
     )
 
 
-FILE = Path(__file__).with_name("references.json")
+FILE = Path(__file__).with_name("references.json")  # End states that are kept.
 
 
 def reference(problem: Problem) -> tuple[Array, float]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..model.gait import joint_motion
 from .problems import Array, Problem
 
-METHODS = ("RK45", "DOP853", "LSODA", "Radau", "BDF")
+METHODS = ("RK45", "DOP853", "LSODA", "Radau", "BDF")  # Methods of solve_ivp that are timed.
 Rate = Callable[[float, Array], Array]
 Complex = NDArray[np.complex128]
 

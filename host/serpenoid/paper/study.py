@@ -23,7 +23,7 @@ from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 from ..simulation.steady_springs import steady_springs
 
-D = math.pi / 180
+D = math.pi / 180  # One degree, rad.
 (OF_2005, BINGHAM), (ROBOT, GROUND) = PRESETS.values()
 PATH_GAIT, EXPERIMENT = Gait(30 * D, 80 * D, 5.0), Gait(70 * D, 75 * D, math.pi)
 

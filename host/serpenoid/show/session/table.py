@@ -8,7 +8,7 @@ from typing import Any
 from ...session.session import Session, belt_note
 from .. import report
 
-COLUMNS = "reading", "what", "values", "state", "comment"
+COLUMNS = "reading", "what", "values", "state", "comment"  # Heads, and keys of the JSON.
 
 
 def rows(session: Session) -> list[list[str]]:

@@ -16,7 +16,7 @@ from ...base.errors import BadInput
 from ...base.files import whole_file
 from ...video.seeing.edges import CELLS
 
-PAPERS_MM = {"a4": (210.0, 297.0), "letter": (215.9, 279.4)}
+PAPERS_MM = {"a4": (210.0, 297.0), "letter": (215.9, 279.4)}  # Widths and heights of pages.
 MARGIN_MM = 12.0  # Width of the rim that no printer reaches.
 
 

@@ -14,9 +14,9 @@ import numpy as np
 
 from ..arrays import Array, Complex, Grey
 
-ALONG = np.linspace(0.1, 0.9, 13)  # Places at which an edge is read, as a share of it.
-CELLS = 6
-ACROSS = np.linspace(-1.0, 1.0, 25)
+ALONG = np.linspace(0.1, 0.9, 13)  # Places along an edge where it is read, over its length.
+CELLS = 6  # Cells along a side of a tag, its black border included.
+ACROSS = np.linspace(-1.0, 1.0, 25)  # Places across an edge where grey is read, over the reach.
 
 
 @np.errstate(invalid="ignore", divide="ignore")  # of edges that cannot be read
