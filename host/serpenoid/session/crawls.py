@@ -1,4 +1,4 @@
-"""A session's crawls by their command: timed runs, films, and the servos that drove them."""
+"""Group a session's gait runs, timed or filmed, by their commands; settings of its servos."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from .settings import Setup
 
 @dataclass(frozen=True)
 class Crawls:
-    """All crawls of one command, timed ones first."""
+    """All gait runs with one command, timed ones first."""
 
     runs: tuple[Crawl, ...]
 
     @property
     def commanded(self) -> Gait:
-        """Return the command of the first one."""
+        """Return the command of the first run."""
         return self.runs[0].commanded
 
     @property
     def films(self) -> tuple[FilmReading, ...]:
-        """Return those that were filmed."""
+        """Return the filmed runs."""
         return tuple(run for run in self.runs if isinstance(run, FilmReading))
 
     @property
     def gait(self) -> Gait:
-        """Return the gait with the mean of the joints as filmed; without films the command."""
+        """Return the mean of the filmed gaits; without films the command."""
         films = [film.gait for film in self.films]
         if not films:
             return self.commanded
@@ -45,7 +45,7 @@ class Crawls:
 
 
 def crawls_by_command(session: Session) -> list[Crawls]:
-    """Return the crawls of every command, the slowest first; films there and back are of one."""
+    """Return the gait runs of each command, in the order of their rates."""
     groups: list[list[Crawl]] = []
     for crawl in session.kept_crawls:
         same = (g for g in groups if same_command(g[0].commanded, crawl.commanded))
@@ -58,20 +58,20 @@ def crawls_by_command(session: Session) -> list[Crawls]:
 
 
 def mean_speed(runs: Sequence[Crawl]) -> tuple[float, float]:
-    """Return the weighted mean speed of some runs, and its standard deviation, m/s."""
+    """Return the weighted mean speed of runs, and its standard uncertainty, m/s."""
     weights = np.array([r.speed_sigma_m_s for r in runs]) ** -2.0
     mean = weights @ np.array([r.speed_m_s for r in runs]) / weights.sum()
     return float(mean), float(weights.sum() ** -0.5)
 
 
 def as_run(session: Session, gaits: Sequence[Gait]) -> tuple[Gait, ...]:
-    """Return the gaits, each with the rate at which it ran, if it ran."""
+    """Return the gaits, with their true rates if they were run."""
     ran = [crawl.commanded for crawl in crawls_by_command(session)]
     return tuple(next((g for g in ran if same_command(g, gait)), gait) for gait in gaits)
 
 
 def same_command(first: Gait, second: Gait) -> bool:
-    """Tell whether two commands differ by no more than the rate and the angles of a film may."""
+    """Return whether two commands agree to 1 % of the rate and 0.01 rad, the errors of films."""
     max_rate, max_rad = 0.01, 0.01
     angles = [(g.alpha_rad, g.beta_rad, g.offset_rad) for g in (first, second)]
     joints = [(g.joint_gain, g.joint_shift_rad) for g in (first, second)]
@@ -80,7 +80,7 @@ def same_command(first: Gait, second: Gait) -> bool:
 
 
 def driving(setup: Setup, kind: ServoKind) -> ServoKind:
-    """Return a kind of servo at a session's voltage and frames, where it states none."""
+    """Return a kind of servo with a session's voltage and frame time, unless it states its own."""
     table = setup.robot_table
     if table.supply_v is not None and kind.sigma.get("supply_v"):
         kind = kind.at_volts(table.supply_v)

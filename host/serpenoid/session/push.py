@@ -1,4 +1,4 @@
-"""The kind `push`: a push along a floor, after which the robot rolls out and comes to rest."""
+"""Readings of kind `push`: a push along a floor, after which the robot rolls to a stop."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ WAYS = ("there", "back")
 
 @dataclass(frozen=True)
 class Push(Observation):
-    """One push: the robot let go at speed on a level floor, and followed until it rests.
+    """One push: the robot is released at speed on a level floor, and rolls to a stop.
 
-    lambda_rad, bend: as of a station. way: "there" or "back"
-    along one line of the floor, so that its slope cancels. place: of the line, where there are more
-    than one. source: "film" (track: where the robot was in every picture) or "rest" (distance_m and
-    duration_s alone). start_s, end_s: what part of the track counts. scale_sigma: of all lengths of
-    a film, relative, where its tags tell it; one scale for all films, as of one sheet of tags.
-    distance_sigma_m, time_sigma_s: of one place and one time; None: those of the set-up.
-    offset_rad: steering on every joint; None where nobody told. file_sha256: of the file that the
-    track came from. Raises BadInput.
+    lambda_rad, bend: as of a station. distance_m, duration_s: from the hand to rest. turned_rad:
+    change of heading. way: "there" or "back" along one line of the floor, so that its slope
+    cancels. place: name of the line, if there are several. source: "film" if there is a track of
+    positions, "rest" for distance_m and duration_s alone. start_s, end_s: the part of the track
+    that counts. scale_sigma: relative sigma of all lengths in films, shared by all, from the tags.
+    distance_sigma_m, time_sigma_s: sigmas of a position and a time; None: those of the set-up.
+    offset_rad: steering angle on every joint; None if it was not recorded. file_sha256: hash of the
+    track's file. Raises BadInput if neither track nor distance and duration are there.
     """
 
     kind = "push"
@@ -89,7 +89,7 @@ class Push(Observation):
             )
         if self.track is not None and self.source == "rest":
             raise BadInput(f"push {self.number} has a track; say by=film")
-        count, min_count = len(self.counted[0]), 3  # which tell a speed, and how it falls
+        count, min_count = len(self.counted[0]), 3  # Fewest positions that show a deceleration.
         if self.track is not None and count < min_count:
             raise BadInput(
                 f"push {self.number} has {count_text(count, 'sample')} between start_s and end_s; "
@@ -101,13 +101,13 @@ class Push(Observation):
         """Return the cells as they are; raises BadInput for a push too fast or too long."""
         if "distance_m" in cells and cells.get("duration_s"):
             distance_m = float(cells["distance_m"])
-            # Dry friction alone brakes evenly: the speed at the start is twice the mean one.
+            # With dry friction alone the initial speed is twice the mean speed.
             check_push(2 * distance_m / float(cells["duration_s"]), distance_m)
         return cells
 
     @property
     def counted(self) -> Floats:
-        """Return t_s, x_m and y_m of the samples that count, (3, samples)."""
+        """Return t_s, x_m and y_m of the track between start_s and end_s, (3, samples)."""
         if self.track is None:
             return np.empty((3, 0))
         t = self.track.values[:, 0]
@@ -130,8 +130,8 @@ class Push(Observation):
 
 
 def check_push(speed_m_s: float, way_m: float) -> None:
-    """Raise BadInput where a push cannot be so fast or so long."""
-    max_m_s, max_m = 3.0, 10.0  # robots of this size are pushed at 0.3 to 1.5 m/s
+    """Raise BadInput if a push is too fast or too long to be one."""
+    max_m_s, max_m = 3.0, 10.0  # Usual pushes have 0.3 to 1.5 m/s.
     if speed_m_s > max_m_s or way_m > max_m:
         raise BadInput(
             f"{way_m:.3g} m from {speed_m_s:.3g} m/s is no push: at most {max_m:g} m and "

@@ -1,7 +1,7 @@
-"""Tracks: positions over time, in a file beside the session whose hash its reading has.
+"""Tracks: positions over time, each in a file whose hash is in its reading's row.
 
-A push on a floor, a crawl in a film, or a robot that drifts on the belt; a short one may be typed
-as s:m, three times or more: `0:0 2:0.045 4:0.13`.
+A track is of a push on a floor, of a gait run in a film, or of a robot that drifts on the belt. A
+short one may be typed as three or more seconds:metres: `0:0 2:0.045 4:0.13`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..base.files import csv_rows, read_text, write_text
 
 FOLDER = "tracks"
 TRACK = ("t_s", "x_m", "y_m")
-PLACES = "places"  # cell of a typed track
+PLACES = "places"  # Column of a typed track.
 Floats = NDArray[np.float64]
 Samples = Sequence[Sequence[float]] | Floats
 EXAMPLE = "0:0 2:0.045 4:0.13"
@@ -28,10 +28,10 @@ EXAMPLE = "0:0 2:0.045 4:0.13"
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Samples of one reading.
+    """The track of one reading.
 
-    columns: names with units, such as t_s. values: (samples, columns), SI. sha256: of the file's
-    bytes.
+    columns: names with units, such as t_s. values: (samples, columns), in SI. sha256: hash of the
+    file's bytes.
     """
 
     columns: tuple[str, ...]
@@ -40,9 +40,9 @@ class Track:
 
     @classmethod
     def from_samples(cls, columns: tuple[str, ...], values: Samples) -> Track:
-        """Return a track of these samples; raises BadInput unless they are finite numbers.
+        """Return the track of samples; raises BadInput unless they are finite numbers.
 
-        A last column with a star stands for any number of them; there NaN says "not seen".
+        A last column with a star stands for any number of columns, in which NaN is allowed.
         """
         samples = np.array(values, dtype=np.float64)
         *fixed, last = columns
@@ -62,7 +62,7 @@ class Track:
         return cls(names, samples, hashlib.sha256(text.encode()).hexdigest())
 
     def write(self, folder: Path, number: int) -> str:
-        """Put the file of a reading's track onto the disk; return its name in the folder."""
+        """Write a track's file for a reading; return its name. Raises RecordingFailed."""
         name = f"{FOLDER}/{number:04}.csv"
         path = folder / name
         try:
@@ -80,7 +80,7 @@ class Track:
 
 
 def read_track(path: Path, columns: tuple[str, ...], sha256: str) -> Track:
-    """Read a track's file; raises BadInput if it is not there, or not the one that was written."""
+    """Return the track of a file; raises BadInput if it is missing or was changed."""
     if not path.is_file():
         raise BadInput(f"{path}: the track is not there, but a reading names it; restore the file")
     text = read_text(path)
@@ -98,9 +98,9 @@ def _text(columns: tuple[str, ...], values: Floats) -> str:
 
 
 def typed_track(text: str) -> Floats:
-    """Return t_s, x_m, y_m (rows, 3) of typed places, from the first one on; raises BadInput.
+    """Return a typed track, (rows, 3) of t_s, x_m and y_m = 0, from its first point; or BadInput.
 
-    Pairs are parted by blanks, semicolons or slashes, or by commas where nothing else parts them.
+    Pairs are separated by blanks, semicolons or slashes, or by commas alone.
     """
     line = text.replace("−", "-").strip()
     parts = re.split(r"[\s;/]+|,(?=\s)", line) if re.search(r"[\s;/]", line) else line.split(",")
@@ -125,9 +125,9 @@ def typed_track(text: str) -> Floats:
 
 
 def chord_places(x_m: Floats, y_m: Floats) -> tuple[Floats, Floats, float]:
-    """Return places along the chord and to the left of it, m, and the chord's direction, rad.
+    """Return positions along the chord and to the left of it, m, and the chord's direction, rad.
 
-    The chord goes from the first eighth of the places to the last.
+    The chord connects the means of the first and of the last eighth of the positions.
     """
     eighth = max(1, len(x_m) // 8)
     dx, dy = (float(np.mean(v[-eighth:]) - np.mean(v[:eighth])) for v in (x_m, y_m))
@@ -137,12 +137,12 @@ def chord_places(x_m: Floats, y_m: Floats) -> tuple[Floats, Floats, float]:
 
 
 def curved_path(along_m: Floats, left_m: Floats, sigma_m: float) -> tuple[Floats, Floats]:
-    """Return the way along the path at each place, m, and its direction to the chord, rad.
+    """Return the path length at each position, m, and the path's direction to the chord, rad.
 
-    along_m, left_m: places on the chord. The path is a parabola through them, so that their scatter
-    across adds nothing to the way; on too short a way it is the chord.
+    along_m, left_m: positions relative to the chord. The path is a parabola fitted to them, so that
+    their scatter across does not lengthen it; a very short path is the chord.
     """
-    min_scatters = 20.0  # shorter ways, in the scatter of a place, have no direction
+    min_scatters = 20.0  # Shortest path with a direction, in sigmas of a position.
     if np.ptp(along_m) < min_scatters * sigma_m:
         return along_m, np.zeros_like(along_m)
     slope = np.polyder(np.polyfit(along_m, left_m, 2))

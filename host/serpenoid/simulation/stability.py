@@ -26,7 +26,7 @@ from ..model.gait import Gait, joint_motion
 from ..model.robot import Robot
 from .scene import Scene, objection
 
-EXACT_LINKS = 60  # above it modes have a bound that holds for any shape: exact ones take seconds
+EXACT_LINKS = 60  # Largest robot with exact modes, which then take seconds; above it a bound holds.
 
 
 def _shapes(robot: Robot, gait: Gait) -> Array:
@@ -49,8 +49,9 @@ def _compliance(robot: Robot, theta_rad: Array, imposed: bool) -> Array:
     """Return J M^-1 J^T, (2(n-1), 2(n-1)), joint by joint, x and y; imposed: links turn as one."""
     n, half = robot.links, robot.link_length_m / 2
     normal = half * np.stack([-np.sin(theta_rad), np.cos(theta_rad)], axis=1)
-    meets = np.eye(n - 1, n) + np.eye(n - 1, n, k=1)  # incidence of joints and links
-    arm = np.einsum("il,ld->idl", meets, normal).reshape(-1, n)  # each gap by each link's angle
+    meets = np.eye(n - 1, n) + np.eye(n - 1, n, k=1)  # Incidence of joints and links.
+    # Derivatives of the gaps by the links' angles.
+    arm = np.einsum("il,ld->idl", meets, normal).reshape(-1, n)
     if imposed:
         arm = arm.sum(axis=1, keepdims=True) / math.sqrt(n)
     apart = np.diff(np.eye(n), axis=0)
@@ -63,8 +64,9 @@ def _mobility(robot: Robot, gait: Gait, pinned: bool) -> float:
     """Return the largest eigenvalue nu of d phi''/d(servo torque), 1/(kg m^2)."""
     n = robot.links
     if n > EXACT_LINKS or not pinned:
-        return 4 / robot.inertia_kg_m2  # of free links
-    arms = robot.link_length_m / 2 * (np.tri(n) + np.tri(n, k=-1))  # centres by links' angles
+        return 4 / robot.inertia_kg_m2  # The bound for free links.
+    # Derivatives of the links' centres by their angles.
+    arms = robot.link_length_m / 2 * (np.tri(n) + np.tri(n, k=-1))
     arms -= arms.mean(axis=0)
     theta_rad = _shapes(robot, gait)
     along = np.cos(theta_rad[:, :, None] - theta_rad[:, None])
@@ -74,10 +76,10 @@ def _mobility(robot: Robot, gait: Gait, pinned: bool) -> float:
 
 
 def _step(method: str, stiff: Array, damped: Array, braked: Array) -> Array:
-    """Return what a step makes of (x, h v) of each mode, as matrices; h v before it counts, too.
+    """Return the matrix of a step for (x, h v) of each mode, (modes, size, size).
 
-    stiff, damped, braked: of each mode, times h^2, h and h. The dampers of "paper" act on the v of
-    the step before; else the last of y is v.
+    stiff, damped, braked: of each mode, times h^2, h and h. The state of "paper" has h v of the
+    step before too, on which its dampers act.
     """
     size = 3 if method == "paper" else 2
     unit = np.broadcast_to(np.eye(size)[:, None], (size, stiff.size, size))
@@ -92,7 +94,7 @@ def _step(method: str, stiff: Array, damped: Array, braked: Array) -> Array:
     if method == "nonsmooth":
         return np.moveaxis(2 * kick(kick(unit, 0.5), 0.5) - kick(unit, 1.0), 0, 1)
     y = unit
-    for part in (4, 3, 2, 1):  # rk4, of forces that are linear
+    for part in (4, 3, 2, 1):  # The classical method for linear forces.
         rates = np.zeros_like(y)
         rates[:2] = y[1], force(y)
         y = unit + rates / part
@@ -101,7 +103,7 @@ def _step(method: str, stiff: Array, damped: Array, braked: Array) -> Array:
 
 
 def friction_rate(scene: Scene) -> float:
-    """Return the fastest rate at which friction brakes a link, 1/s."""
+    """Return the largest rate at which viscous friction brakes a link, 1/s."""
     ground = scene.ground
     return max(ground.ct_forward, ground.ct_backward, ground.cn) / scene.robot.link_mass_kg
 
@@ -109,11 +111,12 @@ def friction_rate(scene: Scene) -> float:
 def _modes(scene: Scene) -> tuple[Array, Array, Array]:
     """Return stiff (1/s^2), damped and braked (1/s) of the modes x'' + (d + b) x' + s x = 0.
 
-    The fastest mode of springs of the implicit joints, that of servos (slower ones give the same
-    limit), and friction (stiff = 0). Friction brakes every mode
-    besides, by up to its fastest rate.
+    They are the fastest mode of the implicit joints' springs and that of servos (slower ones have
+    the same limit), and friction (s = 0). Every mode is also taken with the friction's largest
+    rate, b.
     """
-    friction = 0.0 if scene.method == "nonsmooth" else friction_rate(scene)  # 0: implicit there
+    # The method "nonsmooth" steps friction implicitly.
+    friction = 0.0 if scene.method == "nonsmooth" else friction_rate(scene)
     modes, implicit = [(0.0, 0.0)], scene.formulation == "implicit"
     if implicit:
         imposed = scene.drive == "angle" and not scene.limp
@@ -121,11 +124,11 @@ def _modes(scene: Scene) -> tuple[Array, Array, Array]:
         modes.append((scene.joint_stiffness_n_m * mu, scene.joint_damping_n_s_m * mu))
     if (servo := scene.servo) is not None:
         nu = _mobility(scene.robot, scene.gait, not implicit)
-        nu /= 1 + servo.armature_kg_m2 * nu  # rotors turn with their joints
+        nu /= 1 + servo.armature_kg_m2 * nu  # Rotors turn with their joints.
         gear, gait = servo.gear_damping_nms_rad, scene.gait
         modes.append((servo.stiffness_nm_rad * nu, (servo.damping_nms_rad + gear) * nu))
-        # At its limit the motor's own line damps. A servo may get there if an error of half a turn
-        # asks for more than is left at ten times the gait's rate.
+        # At its torque limit the motor is damped by its torque-speed line. A servo may reach the
+        # limit if an error of half a turn needs more torque than is left at ten times the rate.
         torque_share = 1 - 10 * gait.alpha_rad * gait.omega_rad_s / servo.speed_limit_rad_s
         limited = servo.torque_limit_nm * torque_share <= servo.stiffness_nm_rad * math.pi
         line = limited * servo.torque_limit_nm / servo.speed_limit_rad_s
@@ -135,27 +138,27 @@ def _modes(scene: Scene) -> tuple[Array, Array, Array]:
 
 
 def is_stable(scene: Scene, dt_s: float, edge: float = 1 + 1e-7) -> bool:
-    """Return whether a step of a scene is stable; any is of a method that picks its own.
+    """Return whether a step of a scene is stable; an adaptive method always is.
 
-    It is where the step's matrix, as the method itself takes it, has no eigenvalue beyond 1, and
-    where shorter steps have none either: the paper's method has windows of longer steps.
+    The matrices of this step and of shorter ones must have no eigenvalue beyond 1 in magnitude: the
+    paper's method has windows of longer stable steps. edge: largest magnitude, with rounding.
     """
     if scene.adaptive:
         return True
     stiff, damped, braked = _modes(scene)
-    # Forty shorter steps, down to 0.03 of it, must be stable, too.
+    # Forty shorter steps, down to 0.03 of it, must be stable too.
     steps_s = dt_s * np.geomspace(0.03, 1.0, 40)[:, None]
     with np.errstate(all="ignore"):
         numbers = stiff * steps_s**2, damped * steps_s, braked * steps_s
         matrices = _step(scene.method, *(number.ravel() for number in numbers))
     if not np.isfinite(matrices).all():
         return False
-    # Undamped modes live on the edge, where rounding is allowed.
+    # Undamped modes have magnitude 1.
     return bool(np.abs(np.linalg.eigvals(matrices)).max() <= edge)
 
 
 def largest_stable_step_s(scene: Scene) -> float:
-    """Return the fixed step, s, up to which all are stable; inf where nothing limits it."""
+    """Return the largest fixed step, s, below which all are stable; inf if there is no limit."""
     low_s, high_s = 1e-60, 1e9
     if is_stable(scene, high_s):
         return math.inf
@@ -167,7 +170,7 @@ def largest_stable_step_s(scene: Scene) -> float:
 
 
 def check_step(scene: Scene) -> None:
-    """Raise StepTooLarge, naming a step that works, when a scene's fixed step is unstable."""
+    """Raise StepTooLarge, with a step that works, if a scene's fixed step is unstable."""
     if is_stable(scene, scene.dt_s):
         return
     limit = largest_stable_step_s(scene)

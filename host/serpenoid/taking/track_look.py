@@ -1,6 +1,6 @@
-"""The pushes in a track: where the hand let go, where the robot rests, what is wrong.
+"""Find the pushes in a track: the release, the stop, and what is doubtful.
 
-Nothing is differentiated for the fit: slopes over short pieces serve only to find the pieces.
+Speeds over short pieces of the track serve only to find pushes; the fit uses positions.
 """
 
 from __future__ import annotations
@@ -14,16 +14,17 @@ from ..base.errors import BadInput
 from ..session.push import check_push
 from ..session.track import Floats, chord_places, curved_path
 
-PIECE_S = 0.15  # time over which a speed is taken: four intervals of 30 pictures a second
-REST_S = 0.4  # rest that counts, which tells where the robot stopped
-MIN_TIME_S = 0.4  # shortest push worth fitting
+PIECE_S = 0.15  # Time over which a speed is taken: four intervals at 30 Hz.
+REST_S = 0.4  # Time at rest that counts, from which the place of the stop is known.
+MIN_TIME_S = 0.4  # Duration of the shortest push that can be fitted.
 
 
 class Look(NamedTuple):
-    """What a track of one push shows.
+    """The result of looking at the track of one push.
 
-    cells: of its reading: the part that counts, the scatter of a place, grown by what neighbours
-    share, and by how much it turned. way_m: x and y from the hand to rest. doubts: what is wrong.
+    cells: columns of its reading: the part that counts, the sigma of a position, increased for the
+    correlation of neighbours, and the change of heading. way_m: displacement x, y from the release
+    to the stop. doubts: reasons why the push should not be used.
     """
 
     cells: dict[str, float]
@@ -32,11 +33,11 @@ class Look(NamedTuple):
 
 
 def pushes_in(track: Floats) -> list[Floats]:
-    """Return the pieces of a track that hold a push each, with the rest about them.
+    """Return pieces of a track with one push each, and with the time at rest before and after it.
 
-    A push is a stretch in which the robot moves, and which ends at some distance from where it
-    began; those with no rest between are one. So the scatter of a robot at rest is none. Carrying
-    the robot back is one, and is left out by what `look_at` says of it, or by hand.
+    A push is an interval of motion that ends at a distance from its start, so that the scatter of a
+    robot at rest is none. Intervals without a rest between them are one. Carrying the robot back is
+    found too; `look_at` or the person rejects it.
     """
     t, min_speed_m_s, min_distance_m = track[:, 0], 0.05, 0.02
     fast = np.flatnonzero(speeds(track) > min_speed_m_s)
@@ -55,14 +56,14 @@ def pushes_in(track: Floats) -> list[Floats]:
 
 
 def look_at(track: Floats, slips: bool) -> Look:
-    """Look at the track of one push; raises BadInput where there is none.
+    """Return what the track of one push shows; raises BadInput if it has none.
 
-    slips: no straight link holds the robot on its path.
+    slips: whether the robot may slip sideways, for lack of a straight link.
     """
     t, places = track[:, 0], track[:, 1:]
     speed = speeds(track)
     peak = int(np.argmax(speed))
-    fingers_s = 0.07  # time from the fastest moment until the fingers are gone
+    fingers_s = 0.07  # Time from the largest speed to the release.
     start = int(np.searchsorted(t, t[peak] + fingers_s)) if peak else 0
     stop, end = _stop_of(track, speed, peak)
     places_count, min_places, min_way_m = max(stop - start + 1, 0), 8, 0.2
@@ -75,21 +76,21 @@ def look_at(track: Floats, slips: bool) -> Look:
     way, direction_rad = curved_path(along_m, left_m, sigma_m=0.001)
     way, time = way - way[0], t[start : stop + 1] - t[start]
     turned_rad = float(direction_rad[-1] - direction_rad[0])
-    # v' = -(c v + f), integrated twice: a line in the start, its speed, c and f.
+    # v' = -(c v + f), integrated twice, is linear in start, initial speed, c and f.
     area = np.append(0.0, np.cumsum((way[1:] + way[:-1]) / 2 * np.diff(time)))
     design = np.column_stack([np.ones_like(time), time, -area, -(time**2) / 2])
     law = np.linalg.lstsq(design, way, rcond=None)[0]
     error = way - design @ law
-    # A normal error is 1.05 times the median of the differences of two neighbours.
+    # The sigma of normal errors is 1.05 times the median difference of neighbours.
     noise_m = 1.05 * float(np.median(np.abs(np.diff(error))))
     sigma_m = max(math.sqrt(float(error @ error) / (len(way) - len(law))), 1e-5)
     correlation = float(error[1:] @ error[:-1] / max(float(error @ error), 1e-30))
-    chance = 1 / math.sqrt(len(error))  # correlation of errors that are independent
+    chance = 1 / math.sqrt(len(error))  # Sigma of the correlation of independent errors.
     correlation = min(max(correlation - chance, 0.0), 0.8)
-    max_roughness = 2.5  # scatter about the law of rolling over that between neighbours
+    max_roughness = 2.5  # Scatter about the law over that of neighbours.
     way_m, rough = float(way[-1]), sigma_m / max(noise_m, 1e-4) > max_roughness
-    first_m_s, max_stop_share = float(law[1]), 0.25  # more speed is left where something stops it
-    # A robot that slips down the floor's slope turns by itself: the fit knows it.
+    first_m_s, max_stop_share = float(law[1]), 0.25  # With more final speed, something stopped it.
+    # The fit's model includes the turn of a robot that slips down the floor's slope.
     max_turn_deg = 30.0 if slips else 10.0
     last_m_s = first_m_s - law[2] * way_m - law[3] * time[-1]
     check_push(first_m_s, way_m)
@@ -117,27 +118,28 @@ def look_at(track: Floats, slips: bool) -> Look:
 
 
 def speeds(track: Floats) -> Floats:
-    """Return speeds, m/s, each over the piece of PIECE_S about a place."""
+    """Return the speed at each position, m/s, (rows,), as a mean over PIECE_S."""
     t = track[:, 0]
     low = np.searchsorted(t, t - PIECE_S / 2)
     high = np.searchsorted(t, t + PIECE_S / 2, side="right") - 1
-    sparse = high - low <= 1  # where pictures are missing
+    sparse = high - low <= 1  # Frames are missing here.
     low, high = np.maximum(low - sparse, 0), np.minimum(high + sparse, len(t) - 1)
     t_s, x_m, y_m = (track[high] - track[low]).T
     return np.asarray(np.hypot(x_m, y_m) / t_s)
 
 
 def _stop_of(track: Floats, speed: Floats, peak: int) -> tuple[int, int]:
-    """Return the first place at rest after the fastest, and the last one that counts.
+    """Return the index of the stop after the largest speed, and of the last sample that counts.
 
-    The rest ends where the robot is touched again. Both are the track's end where there is none.
+    The rest ends when the robot is touched again. Both are the track's end if it does not stop.
     """
-    # Rest: the speed is below this share of the greatest. By itself nothing goes so far from there.
+    # At rest the speed is below rest_share of the largest one. A robot that moves by touched_m from
+    # there was touched.
     t, rest_share, touched_m = track[:, 0], 0.03, 0.03
     slow = np.flatnonzero(speed[peak:] < max(rest_share * speed[peak], 0.01))
     if not len(slow):
         return len(t) - 1, len(t) - 1
-    # the rest begins with the first piece that is slow; a later one would hide a wall
+    # The rest begins with the first slow piece; a later one would hide a collision.
     stop = int(np.searchsorted(t, t[peak + slow[0]] - PIECE_S / 2))
     moved_m = np.hypot(*(track[stop:, 1:] - track[stop, 1:]).T)
     touched_s = np.min(t[stop:][moved_m > touched_m], initial=np.inf)
