@@ -1,4 +1,4 @@
-"""The core's own tests by ctest: as shipped, under sanitizers, by other compilers; clang-tidy."""
+"""The C++ tests of the core: release build, sanitizers, other compilers; clang-tidy."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 
 CORE = Path(__file__).parents[2] / "host" / "core"
 WINE, DOCTEST = "/usr/lib/wine/wine64", "/usr/include/doctest/doctest.h"
-# Name -> (options of CMake, what has to be installed).
+# Name -> (options of CMake, required programs and files).
 BUILDS = {
     "shipped": (["-DCMAKE_BUILD_TYPE=Release"], []),
     "sanitizers": (
@@ -25,7 +25,7 @@ BUILDS = {
         ["-DCMAKE_CXX_COMPILER=clang++", "-DCMAKE_CXX_FLAGS=-O1 -stdlib=libc++ -pedantic-errors"],
         ["clang++", "/usr/share/doc/libc++-dev", "/usr/share/doc/libc++abi-dev"],
     ),
-    # As on Windows, where MSVC has no vectors.
+    # As on Windows, where MSVC has no vector extensions.
     "windows": (
         [
             "-DCMAKE_SYSTEM_NAME=Windows",
@@ -43,9 +43,9 @@ pytestmark = pytest.mark.slow
 
 @pytest.mark.parametrize("build", BUILDS)
 def test_the_core_passes_its_own_tests(build: str, tmp_path: Path) -> None:
-    options, needed = BUILDS[build]
-    needed = ["cmake", "ctest", DOCTEST, *needed]
-    if absent := [p for p in needed if not (shutil.which(p) or Path(p).exists())]:
+    options, required = BUILDS[build]
+    required = ["cmake", "ctest", DOCTEST, *required]
+    if absent := [p for p in required if not (shutil.which(p) or Path(p).exists())]:
         pytest.skip(f"needs {' and '.join(absent)}; see tests/core/packages.txt")
     wine = {"WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")}
     for command in (
@@ -53,14 +53,14 @@ def test_the_core_passes_its_own_tests(build: str, tmp_path: Path) -> None:
         ["cmake", "--build", str(tmp_path), "--parallel", str(os.cpu_count())],
         ["ctest", "--test-dir", str(tmp_path), "--output-on-failure"],
     ):
-        done = subprocess.run(
+        result = subprocess.run(
             command, capture_output=True, text=True, check=False, env=os.environ | wine
         )
-        assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
-        assert "warning:" not in done.stderr
+        assert result.returncode == 0, result.stdout[-3000:] + result.stderr[-3000:]
+        assert "warning:" not in result.stderr
 
 
-# Left out: what says nothing of a fault, branches alike but for their object, the width of a pack.
+# Excluded: checks that find no faults here, equal branches, and sizeof of a pack.
 RULES = (
     "-*,bugprone-*,-bugprone-easily-swappable-parameters,-bugprone-narrowing-conversions,"
     "-bugprone-implicit-widening-of-multiplication-result,-bugprone-branch-clone,"
@@ -75,5 +75,5 @@ def test_clang_tidy_finds_nothing() -> None:
     ]
     folders = [f"-I{CORE}", f"-I{CORE.parents[1]}/firmware/lib/gait"]
     command = ["clang-tidy", "--quiet", f"--checks={RULES}", *sources, "--", "-std=c++20", *folders]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stdout) == (0, "")
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (result.returncode, result.stdout) == (0, "")

@@ -1,4 +1,4 @@
-"""Derive the three-link snake and find the paper's errata by exact evaluation of its equations."""
+"""Errata of the paper: its equations, evaluated exactly, against a derivation for three links."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ WRONG = {"28", "29", "30", "33", "45", "47", "50 row 4"}
 
 @pytest.fixture(scope="module")
 def states() -> list[dict[sp.Expr, sp.Rational]]:
-    """Return two exact random states: a wrong equation would hold at both only by a miracle."""
+    """Return two exact random states, at both of which a wrong equation cannot hold by chance."""
     return [sy.with_true_accelerations(sy.rational_state(seed)) for seed in (1, 2)]
 
 
@@ -23,12 +23,12 @@ def disagreeing(equations: printed.Residuals, states: list) -> set[str]:
     return {
         number
         for number, residuals in equations.items()
-        if any(sy.evaluate(one, values) != 0 for one in residuals for values in states)
+        if any(sy.evaluate(residual, values) != 0 for residual in residuals for values in states)
     }
 
 
 def test_dense_model_agrees_with_lagrange(states: list) -> None:
-    """Hold dense.py to the symbolic derivation where friction is an ordinary viscous one."""
+    """Compare dense.py with the symbolic derivation for viscous friction."""
     for values in states:
         drag = {sy.C_t[i]: values[sy.C_t[0]] for i in range(3)}
         drag |= {sy.C_n[i]: values[sy.C_n[0]] for i in range(3)}
@@ -60,17 +60,17 @@ def test_the_corrected_equations_hold(states: list) -> None:
 
 def test_spring_and_damper_of_equations_51_to_56() -> None:
     """The joint force is minus the gradient of the spring's energy and the damper's loss."""
-    places = sp.Matrix(sp.symbols("x1 y1 x2 y2"))
+    positions = sp.Matrix(sp.symbols("x1 y1 x2 y2"))
     speeds = sp.Matrix(sp.symbols("xd1 yd1 xd2 yd2"))
-    left = places[:2, :] + sy.ell * sy.tangent(0)  # Eqs. 54, 56
-    right = places[2:, :] - sy.ell * sy.tangent(1)  # Eqs. 53, 55
-    gap, variables = right - left, [*places, *sy.theta[:2]]
+    left = positions[:2, :] + sy.ell * sy.tangent(0)  # Eqs. 54, 56
+    right = positions[2:, :] - sy.ell * sy.tangent(1)  # Eqs. 53, 55
+    gap, variables = right - left, [*positions, *sy.theta[:2]]
     rates = [*speeds, *sy.theta_d[:2]]
     gap_rate = gap.jacobian(variables) * sp.Matrix(rates)
     force = sy.k * gap + sy.c * gap_rate  # Eqs. 51-52, on link 1
     energy, loss = sy.k * gap.dot(gap) / 2, sy.c * gap_rate.dot(gap_rate) / 2
     for axis in range(2):
-        on_tail = -energy.diff(places[axis]) - loss.diff(speeds[axis])
+        on_tail = -energy.diff(positions[axis]) - loss.diff(speeds[axis])
         assert sp.simplify(on_tail - force[axis]) == 0
     turning = -energy.diff(sy.theta[0]) - loss.diff(sy.theta_d[0])
     assert sp.simplify(turning - sy.ell * sy.normal(0).dot(force)) == 0

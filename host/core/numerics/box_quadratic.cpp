@@ -19,14 +19,14 @@ constexpr double kRegularisation = 1e-9;  // share of a diagonal that is added t
 
 }  // namespace
 
-// Solve matrix_ x_ = right_ with a diagonal that is a little larger, and refine three times by the
-// residual. From zero this converges to the smallest solution, exact to rounding where one exists;
-// rest_ is the residual.
+// Solve matrix_ x_ = right_ with a slightly larger diagonal, and refine three times by the
+// residual. From zero this converges to the solution of least norm, exact to rounding if there is a
+// solution. residual_ holds the residual.
 void BoxQuadratic::solve(double regularisation) {
     const std::size_t size = right_.size();
     const int rows = static_cast<int>(size);
-    for (double addition :
-         {regularisation, 1e-6, 1e-3}) {  // where rounding makes the matrix indefinite
+    // The larger ones are for a matrix that rounding makes indefinite.
+    for (double addition : {regularisation, 1e-6, 1e-3}) {
         factor_ = matrix_;
         for (std::size_t i = 0; i < size; ++i) factor_[i * size + i] *= 1 + addition;
         cholesky(factor_.data(), rows);
@@ -55,8 +55,8 @@ void BoxQuadratic::minimise_free(const Vector& A, const Vector& b, Vector& z) {
     z = x_;
 }
 
-// An almost singular matrix may have a minimum inside that `solve` does not reach: its bounds are
-// then freed and fixed again without end, and a smaller addition finds it.
+// If the matrix is nearly singular, solve() may not reach the minimum, and bounds are freed and
+// fixed without end. A smaller regularisation then finds it.
 bool BoxQuadratic::minimise(const Vector& A, const Vector& b, Vector& z) {
     return descend(A, b, z, kRegularisation) || descend(A, b, z, 1e-4 * kRegularisation);
 }
@@ -89,8 +89,8 @@ bool BoxQuadratic::descend(const Vector& A, const Vector& b, Vector& z, double r
                 matrix_[i * size + j] = A[free_[i] * n + free_[j]];
         }
         solve(regularisation);
-        double inconsistency =
-            0;  // where no solution exists, the value falls along the residual for ever
+        // If the system has no solution, the objective falls without limit along the residual.
+        double inconsistency = 0;
         for (std::size_t i = 0; i < size; ++i) {
             inconsistency = std::max(inconsistency, std::fabs(residual_[i]) / rounding(free_[i]));
             residual_[i] /= matrix_[i * size + i];

@@ -1,4 +1,4 @@
-"""The commands optimize and figures: answers, limits, fronts, warnings, the board, the page."""
+"""The commands optimize, steady and figures: answers, limits, warnings, refusals."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ def test_the_papers_optimum_with_its_error_and_losses() -> None:
     assert result["ideal"] is None
 
 
-def test_a_gait_that_can_be_driven_stands_beside_the_papers_optimum() -> None:
-    """Its servos follow it, its joints stay within 90 degrees, and it keeps 80 % of its speed."""
+def test_the_answer_has_a_drivable_gait_and_the_papers_optimum() -> None:
+    """Servos can follow the gait, joints stay within 90 degrees, and losses are at most 20 %."""
     result = answer("optimize --speed 0.1")
     assert result["servo"]["follows"] is True
     assert result["gait"]["alpha_deg"] <= 90
@@ -35,21 +35,21 @@ def test_a_gait_that_can_be_driven_stands_beside_the_papers_optimum() -> None:
     assert max(paper["losses"].values()) > 0.3
 
 
-def test_the_servo_that_is_named_limits_the_rate() -> None:
-    """At 0.15 m/s the joints of the best gait would turn faster than hobby servos can."""
+def test_the_servo_limits_the_rate() -> None:
+    """At 0.15 m/s the joints of the best gait would be too fast for hobby servos."""
     words = " ".join(serpenoid("optimize --speed 0.15", check=True).stdout.split())
     assert "Limited by servo speed" in words
     assert "The paper's optimum, " in words
 
 
-def test_limits_in_degrees_are_kept_and_told() -> None:
+def test_limits_in_degrees_are_kept_and_named() -> None:
     limited = serpenoid(f"{OPTIMIZE} 0.5 --set servo_speed_deg_s=229 --servo ideal", check=True)
     assert "servo speed" in limited.stdout
     refused = serpenoid(f"{OPTIMIZE} 9 --set omega_high_rad_s=6").stderr
     assert "makes 0.4" in refused
 
 
-def test_two_motions_are_named_with_that_from_rest() -> None:
+def test_two_periodic_motions_are_named() -> None:
     """On viscous ground that brakes and grips little; runs over thousands of cycles have both."""
     body = "links=4 mass_kg=0.2995066 link_length_m=0.0987888 offset_deg=-18.949213"
     ground = "ct=0.005218119 cn=0.00032280766 ft0=0 fn0=0"
@@ -73,15 +73,15 @@ def test_the_gait_can_be_typed_into_drive() -> None:
 
 
 @pytest.mark.parametrize("speed", ["1e6", "1e-8"])
-def test_a_speed_without_sense_is_refused_at_once(speed: str) -> None:
-    """Searched for, it took minutes: of ever higher rates, or of states that drown in rounding."""
+def test_an_impossible_speed_is_refused_at_once(speed: str) -> None:
+    """A search would take minutes at higher and higher rates, or be lost in rounding errors."""
     refused = serpenoid(f"optimize --speed {speed}")
     assert refused.returncode == 2
     assert "at most 45.6" in refused.stderr
 
 
 @pytest.mark.parametrize(
-    ("limits", "told"),
+    ("limits", "message"),
     [
         ("--set links=2", "no gait travels at all"),
         ("--set joint_angle_deg=1.2 --set omega_high_rad_s=20", "(joint angle 1.2 deg"),
@@ -89,8 +89,8 @@ def test_a_speed_without_sense_is_refused_at_once(speed: str) -> None:
         ("--set servo_speed_deg_s=10", "servo speed 10 deg/s"),
     ],
 )
-def test_why_there_is_no_gait(limits: str, told: str) -> None:
-    assert told in serpenoid(f"{OPTIMIZE} 0.1 {limits}").stderr
+def test_the_reason_why_there_is_no_gait(limits: str, message: str) -> None:
+    assert message in serpenoid(f"{OPTIMIZE} 0.1 {limits}").stderr
 
 
 @pytest.mark.slow
@@ -113,13 +113,13 @@ def test_the_whole_study(tmp_path: Path) -> None:
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000
 
 
-def test_an_ideal_gait_that_no_servo_follows_is_warned_of() -> None:
+def test_an_ideal_gait_that_is_too_fast_for_servos_has_a_warning() -> None:
     viscous = "optimize --set ft0=0 --set fn0=0 --servo ideal --ideal --speed"
     assert "Too fast for a typical hobby servo" in serpenoid(f"{viscous} 10", check=True).stderr
     assert "Too fast" not in serpenoid(f"{viscous} 0.1", check=True).stderr
 
 
-def test_a_stale_fit_is_told_once(tmp_path: Path) -> None:
+def test_a_stale_fit_is_named_once(tmp_path: Path) -> None:
     of_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
     for name in ("session.toml", "readings.csv", "events.csv"):
         shutil.copy(of_2005 / name, tmp_path)

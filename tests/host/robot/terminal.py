@@ -1,4 +1,4 @@
-"""A person at a terminal: a command in a process of its own, keys pressed, the screen read."""
+"""A simulated person at a terminal, who runs a command, presses keys and reads the screen."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from robot.patience import LONG_S
 
 
 class Person:
-    """Run `serpenoid LINE` or a command behind a terminal; `before` is how that was set."""
+    """Run `serpenoid LINE` or another command in a terminal; `before` holds its settings then."""
 
     def __init__(self, line: str | list[str]):
         self.master, self._slave = pty.openpty()
         self.before = termios.tcgetattr(self._slave)
-        name = os.ttyname(self._slave)  # who opens it first is reached by its Ctrl-C
+        name = os.ttyname(self._slave)  # Ctrl-C reaches the process that opens it first
         command = program(line) if isinstance(line, str) else line
         self.process = subprocess.Popen(
-            # Whoever started the tests may ignore signals, as nohup and a shell's & do.
+            # The parent of the tests may ignore signals, as nohup and a shell's & do.
             [
                 "env",
                 "--default-signal",
@@ -50,24 +50,24 @@ class Person:
         os.close(self._slave)
 
     def closes(self) -> None:
-        """Close the terminal's window."""
+        """Close the terminal."""
         if self.master >= 0:
             os.close(self.master)
         self.master = -1
 
     def sees(self, text: str, most_s: float = LONG_S) -> str:
-        """Wait until the screen has shown a text since the last call; return what came."""
+        """Wait until the screen shows a text; return the output since the last call."""
         end = time.monotonic() + most_s
         while text not in self.screen:
             if time.monotonic() > end:
                 raise AssertionError(f"no {text!r} in {self.screen!r}")
             if select.select([self.master], [], [], 0.05)[0]:
                 self.screen += os.read(self.master, 4096).decode("utf-8", "replace")
-        seen, _, self.screen = self.screen.partition(text)
-        return seen + text
+        output, _, self.screen = self.screen.partition(text)
+        return output + text
 
     def answers(self, question: str, keys: str) -> None:
-        """Press keys once the screen has shown a text."""
+        """Press keys when the screen shows a text."""
         self.sees(question)
         self.presses(keys)
 
@@ -78,7 +78,7 @@ class Person:
         self.process.send_signal(number)
 
     def leaves(self, most_s: float = LONG_S) -> int:
-        """Wait for the command's end, reading on; return its exit status."""
+        """Read the screen until the command ends; return its exit status."""
         end = time.monotonic() + most_s
         while self.process.poll() is None and time.monotonic() < end:
             if select.select([self.master], [], [], 0.02)[0]:
@@ -87,5 +87,5 @@ class Person:
 
     @property
     def now(self) -> list:
-        """How the terminal is set."""
+        """The present settings of the terminal."""
         return termios.tcgetattr(self._slave)

@@ -1,4 +1,4 @@
-"""The command `flash` against a PlatformIO that succeeds, fails in each way, or is not there."""
+"""The command `flash` with a PlatformIO that succeeds, fails in several ways, or is missing."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ def pio(tmp_path, monkeypatch):
     return write
 
 
-def test_success_ends_with_the_greeting_of_what_was_built(pio, monkeypatch):
+def test_success_ends_with_the_greeting_of_the_new_firmware(pio, monkeypatch):
     monkeypatch.setenv("PLATFORMIO_BUILD_FLAGS", "-D MINE")
     arguments = pio(f'{BUILT}; echo "avrdude done"; exit 0')
     with FakeBoard() as board:
         options = f"flash --board mega --port {board.port} --output pca9685"
-        status, said, shown = serpenoid(options)
-        assert (status, "avrdude done" in shown) == (0, True)
-        assert "runs firmware 0.3.0" in said
+        status, output, messages = serpenoid(options)
+        assert (status, "avrdude done" in messages) == (0, True)
+        assert "runs firmware 0.3.0" in output
         upload = f"run -d {ROOT} -e mega -t upload --upload-port {board.port}\n"
         assert arguments.read_text() == upload
         flags = arguments.with_name("flags").read_text()
@@ -61,23 +61,23 @@ CAUSES = [
 ]
 
 
-@pytest.mark.parametrize(("script", "said"), CAUSES)
-def test_each_failure_has_its_cure(pio, script, said):
+@pytest.mark.parametrize(("script", "message"), CAUSES)
+def test_each_failure_has_its_cure(pio, script, message):
     pio(script)
     with FakeBoard() as board:
         status, _, errors = serpenoid(f"flash --board mega --port {board.port}")
         assert not board.received
-    assert (status, said in errors) == (1, True), errors
+    assert (status, message in errors) == (1, True), errors
 
 
-def test_a_board_that_is_silent_afterwards_and_a_platformio_that_cannot_run(pio, monkeypatch):
+def test_a_silent_board_and_a_platformio_that_cannot_run(pio, monkeypatch):
     monkeypatch.setattr(flash, "GREETING_S", 0.3)
     handlers = set()
     with FakeBoard(nothing) as board:
-        for first, said in (("#!/bin/sh", "no greeting"), ("#!/no", "no such file")):
+        for first, message in (("#!/bin/sh", "no greeting"), ("#!/no", "no such file")):
             pio(f"{BUILT}; exit 0", first)
             status, _, errors = serpenoid(f"flash --board uno --port {board.port}")
-            assert (status, said in errors) == (1, True), errors
+            assert (status, message in errors) == (1, True), errors
             handlers.add(signal.getsignal(signal.SIGTERM))
     assert len(handlers) == 1
     monkeypatch.setattr(flash, "find_platformio", lambda: None)
@@ -86,7 +86,7 @@ def test_a_board_that_is_silent_afterwards_and_a_platformio_that_cannot_run(pio,
 
 
 @pytest.mark.parametrize(
-    ("options", "status", "said"),
+    ("options", "status", "message"),
     [
         ("--board uno --joints 9 --port /dev/null", 2, "a mega up to 12"),
         ("--board uno --joints 1 --port /dev/null", 2, "joints is 1; the uno takes 2 to 8"),
@@ -97,14 +97,12 @@ def test_a_board_that_is_silent_afterwards_and_a_platformio_that_cannot_run(pio,
         *((f"--board uno --port {p}", 1, "there is no port") for p in ("tty", "a\x01b", "/tmp")),
     ],
 )
-def test_what_cannot_be_flashed_is_told_before_anything_is_built(
-    pio, monkeypatch, options, status, said
-):
+def test_wrong_options_are_refused_before_the_build(pio, monkeypatch, options, status, message):
     found = SimpleNamespace(device="/dev/ttyC", description="", vid=0x1A86, pid=0x7523)
     monkeypatch.setattr("serial.tools.list_ports.comports", lambda: [found])
     arguments = pio("exit 0")
-    done = serpenoid(f"flash {options}")
-    assert (done.returncode, said in done.stderr) == (status, True), done.stderr
+    result = serpenoid(f"flash {options}")
+    assert (result.returncode, message in result.stderr) == (status, True), result.stderr
     assert not arguments.exists()
 
 
@@ -112,19 +110,19 @@ def test_what_cannot_be_flashed_is_told_before_anything_is_built(
     ("reached", "number", "status"),
     [("Building", signal.SIGINT, 130), ("Uploading", signal.SIGTERM, 143)],
 )
-def test_a_signal_ends_platformio_and_what_it_started(pio, tmp_path, reached, number, status):
-    """Before the upload the board is whole; amid it it has half a program."""
+def test_a_signal_ends_platformio_and_its_children(pio, tmp_path, reached, number, status):
+    """A signal during the upload leaves half a program on the board; the message says so."""
     child = tmp_path / "child"
     pio(f"sleep 60 & echo $! > {child}; echo {reached} ...; wait")
     with FakeBoard() as board:
         run = subprocess.Popen(
             program(f"flash --board uno --port {board.port}"), stderr=subprocess.PIPE, text=True
         )
-        assert reached in run.stderr.readline()  # so the child runs, and who would end it listens
+        assert reached in run.stderr.readline()  # the child runs, and signals are handled
         run.send_signal(number)
-        _, said = run.communicate(timeout=60)
+        _, messages = run.communicate(timeout=60)
     assert run.returncode == status
-    assert ("half a program" in said) == (reached == "Uploading")
+    assert ("half a program" in messages) == (reached == "Uploading")
     assert until(lambda: not alive(int(child.read_text())))
 
 
@@ -135,14 +133,14 @@ def alive(pid: int) -> bool:
         return False
 
 
-def test_a_wheel_brings_its_firmware_and_nothing_of_another_day(pio, tmp_path, monkeypatch):
-    """Built in a cache of its own, from which what is left of another release is gone."""
-    brought = tmp_path / "site-packages" / "serpenoid"
-    (brought / "board" / "firmware" / "src").mkdir(parents=True)
-    (brought / "board" / "platformio.ini").touch()
-    (brought / "board" / "firmware" / "src" / "main.cpp").touch()
-    monkeypatch.setattr(flash._core, "__file__", str(brought / "_core.so"))
-    monkeypatch.setattr(flash, "__file__", str(brought / "robot" / "tools" / "a" / "upload.py"))
+def test_a_wheel_builds_its_own_firmware_in_a_cache(pio, tmp_path, monkeypatch):
+    """Files of other releases are removed from the cache."""
+    package = tmp_path / "site-packages" / "serpenoid"
+    (package / "board" / "firmware" / "src").mkdir(parents=True)
+    (package / "board" / "platformio.ini").touch()
+    (package / "board" / "firmware" / "src" / "main.cpp").touch()
+    monkeypatch.setattr(flash._core, "__file__", str(package / "_core.so"))
+    monkeypatch.setattr(flash, "__file__", str(package / "robot" / "tools" / "a" / "upload.py"))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.chdir(tmp_path)
     arguments = pio("echo 'x.cpp:1: error'; exit 1")

@@ -1,4 +1,4 @@
-"""Every method converges with the order that its entry declares, in all that it says it runs."""
+"""Every method converges with its declared order, for all drives that it supports."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from robots import gait_in_deg
 
 ROBOT, GROUND = sn.Robot(4, 0.08, 0.09, 2.5e-4), sn.Ground(0.3, 3.0)
 GAIT = gait_in_deg(40, 70, 4.0)
-# neither limits nor a dead band, which would bend its line
+# A servo without limits and dead band, which would add kinks.
 SERVO = sn.Servo(0.3, 0.02, 1e6, 1e6, 0.0)
 TABLE = sn.TorqueTable(np.array([0.03, 0.1]), np.array([[0.02, -0.01, 0.03], [0.0, 0.01, -0.02]]))
 DRIVES = {
@@ -21,7 +21,7 @@ DRIVES = {
     "torque": {"torque": TABLE},
     "servo": {"servo": SERVO},
 }
-ORDERS = [  # of fixed steps
+ORDERS = [  # orders of methods with fixed steps
     ("rk4", "explicit", 4),
     ("rk4", "implicit", 4),
     ("paper", "implicit", 1),
@@ -29,8 +29,8 @@ ORDERS = [  # of fixed steps
 ]
 
 
-def end_of(scene: sn.Scene, steps: int) -> np.ndarray:
-    """Return the state at the end of a run in so many steps."""
+def end_state(scene: sn.Scene, steps: int) -> np.ndarray:
+    """Return the state at the end of a run with this number of steps."""
     scene = replace(scene, dt_s=scene.duration_s / steps, record_every=steps)
     return sn.simulate(scene).state().packed()
 
@@ -38,7 +38,7 @@ def end_of(scene: sn.Scene, steps: int) -> np.ndarray:
 @pytest.mark.parametrize(("method", "formulation", "order"), ORDERS)
 @pytest.mark.parametrize("drive", DRIVES)
 def test_a_method_has_its_order(method: str, formulation: str, order: int, drive: str) -> None:
-    """Jumps and kinks of the drives (frames of 20 ms, rows of a table) included."""
+    """The drives have jumps and kinks: frames of 20 ms, rows of a table."""
     scene = sn.Scene(
         ROBOT,
         GROUND,
@@ -54,14 +54,14 @@ def test_a_method_has_its_order(method: str, formulation: str, order: int, drive
         duration_s=0.12,
         start="link1_at_rest",
     )
-    exact = end_of(replace(scene, method="rk4"), 960)
+    exact = end_state(replace(scene, method="rk4"), 960)
     counts = (60, 120) if order > 2 else (240, 480)
-    errors = [np.abs(end_of(scene, steps) - exact).max() for steps in counts]
+    errors = [np.abs(end_state(scene, steps) - exact).max() for steps in counts]
     assert errors[0] < 0.1
     assert math.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.25)
 
 
-def test_a_scene_that_names_no_method_chooses_anew_when_changed() -> None:
+def test_a_changed_scene_chooses_its_method_again_unless_it_names_one() -> None:
     smooth = sn.Scene(sn.Robot(3, 1.0, 0.12), sn.Ground(0.1, 1.0), sn.Gait(0.3, 0.5, 3.0))
     dry = sn.Ground(0.1, 1.0, 0.01, 0.02)
     assert smooth.method == "rk4"
