@@ -89,10 +89,9 @@ def count_text(count: int, noun: str) -> str:
     return f"{count} {noun}{plural * (count != 1)}"
 
 
-def check_kind(name: str, value: object, kind: type | tuple[type, ...], order: str = "") -> None:
+def check_kind(name: str, value: object, *kinds: type, order: str = "") -> None:
     """Raise BadInput unless value is of a kind; order: of the arguments, for swapped ones."""
-    if not isinstance(value, kind):
-        kinds = kind if isinstance(kind, tuple) else (kind,)
+    if not isinstance(value, kinds):
         names = " or ".join(f"serpenoid.{k.__name__}" for k in kinds)
         order = f": the order is {order}" if order else ""
         raise BadInput(f"{name} is a {type(value).__name__}; it must be a {names}{order}")

@@ -80,9 +80,7 @@ def read_json(path: Path) -> Any:
     text = read_text(path)
     try:
         return json.loads(text, parse_constant=_refuse_constant)
-    except RecursionError:
-        raise BadInput(f"{path}: not JSON of this program: lists in lists without end") from None
-    except ValueError as error:
+    except (RecursionError, ValueError) as error:
         raise BadInput(f"{path}: not JSON: {error}") from None
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -11,20 +10,6 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Residuals = Callable[[Floats], Floats]
-
-
-@dataclass(frozen=True)
-class SearchOptions:
-    """Numbers of the search for maxima.
-
-    difference_step: step of central differences, in standard deviations of the prior.
-    same_distance: distance of two maxima that are one and the same, in the same unit.
-    log_density_range: maxima that are lower than the highest by more are left out.
-    """
-
-    difference_step: float = 1e-3
-    same_distance: float = 0.05
-    log_density_range: float = 8.0
 
 
 class Maximum(NamedTuple):
@@ -55,16 +40,23 @@ def log_density(residuals: Residuals, x: Floats) -> Floats:
 
 
 def maxima(
-    residuals: Residuals, starts: Floats, options: SearchOptions = SearchOptions()
+    residuals: Residuals,
+    starts: Floats,
+    *,
+    step: float = 1e-3,
+    same_distance: float = 0.05,
+    log_density_range: float = 8.0,
 ) -> list[Maximum]:
     """Return the maxima that least squares reach from starts (S, P), the highest first.
 
-    residuals: of parameters (K, P), the differences (K, T) to the readings over their noise.
+    residuals: of parameters (K, P), the differences (K, T) to the readings over their noise. step:
+    of central differences, and same_distance of two maxima that are one and the same, in standard
+    deviations of the prior. Maxima lower than the highest by more than log_density_range are left
+    out.
     """
     from scipy.optimize import least_squares
 
     size = starts.shape[1]
-    step = options.difference_step
     steps = step * np.eye(size)
 
     def with_prior(x: Floats) -> Floats:
@@ -81,9 +73,9 @@ def maxima(
     reached.sort(key=lambda end: end.cost)
     distinct: list[Maximum] = []
     for end in reached:
-        if end.cost > reached[0].cost + options.log_density_range:
+        if end.cost > reached[0].cost + log_density_range:
             break
-        if all(np.abs(end.x - maximum.x).max() > options.same_distance for maximum in distinct):
+        if all(np.abs(end.x - maximum.x).max() > same_distance for maximum in distinct):
             root = np.linalg.cholesky(np.linalg.inv(end.jac.T @ end.jac))
             distinct.append(Maximum(end.x, root, -float(end.cost)))
     return distinct

@@ -3,28 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 LogDensity = Callable[[Floats], Floats]
-
-
-@dataclass(frozen=True)
-class Moves:
-    """Numbers of the moves by which samples explore a density.
-
-    jitter: scatter added to a move, in standard deviations of the samples. crossovers: shares of
-    the parameters that a move changes. jump_share: share of moves by the whole difference, from one
-    maximum to another. snapshots: sets of all samples that are kept, equally many moves apart.
-    """
-
-    jitter: float = 0.02
-    crossovers: tuple[float, ...] = 0.2, 0.5, 1.0
-    jump_share: float = 0.1
-    snapshots: int = 4
 
 
 def points_about(
@@ -57,25 +41,32 @@ def explored(
     log_density: LogDensity,
     moves: int,
     rng: np.random.Generator,
-    how: Moves = Moves(),
+    *,
+    jitter: float = 0.02,
+    crossovers: tuple[float, ...] = (0.2, 0.5, 1.0),
+    jump_share: float = 0.1,
+    sets: int = 4,
 ) -> Floats:
-    """Return samples (M, N, D) of a density, from M equally spaced moves of the second half.
+    """Return sets of samples (sets, N, D) of a density, from equally spaced late moves.
 
     x (N, D): where they begin, about the maxima. Each sample moves by the difference of two others
     in all of its parameters or in some (differential evolution with crossover, Vrugt 2009). The
     first follows a narrow ridge, the second widens parameters that the density hardly limits.
+    jitter: scatter added to a move, in standard deviations of the samples. crossovers: shares of
+    the parameters that a move changes. jump_share: share of moves by the whole difference, from one
+    maximum to another.
     """
     count = len(x)
     log, snapshots = log_density(x), []
     for k in range(moves):
         pair = x[rng.permutation(count)] - x[rng.permutation(count)]
-        pair += how.jitter * x.std(axis=0) * rng.normal(size=x.shape)
-        moved = rng.random(x.shape) < rng.choice(how.crossovers, size=(count, 1))
+        pair += jitter * x.std(axis=0) * rng.normal(size=x.shape)
+        moved = rng.random(x.shape) < rng.choice(crossovers, size=(count, 1))
         length = rng.uniform(0.5, 1.7, (count, 1)) / np.sqrt(np.maximum(moved.sum(1), 1))[:, None]
-        tried = x + np.where(rng.random((count, 1)) < how.jump_share, 1.0, length) * moved * pair
+        tried = x + np.where(rng.random((count, 1)) < jump_share, 1.0, length) * moved * pair
         new = log_density(tried)
         accepted = np.log(rng.random(count)) < new - log
         x, log = np.where(accepted[:, None], tried, x), np.where(accepted, new, log)
-        if k >= moves // 2 and (moves - 1 - k) % (moves // (2 * how.snapshots)) == 0:
+        if k >= moves // 2 and (moves - 1 - k) % (moves // (2 * sets)) == 0:
             snapshots.append(x)
     return np.array(snapshots)

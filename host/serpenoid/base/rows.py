@@ -70,8 +70,10 @@ class Result:
         return []
 
     def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
-        """Return heads and cells of the table; rows of details only if verbose."""
-        return columns([row for row in self.rows() if verbose or not row.detail])
+        """Return heads and cells; rows of details only if verbose, intervals where there is one."""
+        rows = [row for row in self.rows() if verbose or not row.detail]
+        count = 3 if any(row.interval for row in rows) else 2
+        return ["", "value", "95 % interval"][:count], [row.cells[:count] for row in rows]
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self.in_words()}>"
@@ -120,12 +122,6 @@ class Plottable(Result):
         """
         figures = importlib.import_module("serpenoid.show.result_figure")
         return figures.figure_of(self, path and Path(path), **details)
-
-
-def columns(rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
-    """Return heads and cells of rows, with a column of intervals if any row has one."""
-    count = 3 if any(row.interval for row in rows) else 2
-    return ["", "value", "95 % interval"][:count], [row.cells[:count] for row in rows]
 
 
 def table(

@@ -21,15 +21,12 @@ def number_array(name: str, values: ArrayLike) -> Array:
     """
     try:
         array = np.asarray(values)
-        kind = array.dtype.kind
-        objects = array.flat if kind == "O" else ()
-        is_text = any(value is None or isinstance(value, (str, bytes, bool)) for value in objects)
-        if kind in "iufO" and not is_text:
-            return array.astype(float, copy=False)
-    except (TypeError, ValueError, OverflowError):  # An integer of 400 digits overflows.
-        pass
+    except ValueError:
+        array = np.array(None)
+    if array.dtype.kind in "iuf":
+        return array.astype(float, copy=False)
     shown = f"{values!r}"[:100]
-    raise BadInput(f"{name} is {shown}; it must be numbers, up to 1e308, in a regular array")
+    raise BadInput(f"{name} is {shown}; it must be numbers, in a regular array")
 
 
 def columns(points: Sequence[Any], *names: str) -> list[Array]:

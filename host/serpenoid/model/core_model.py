@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
-
-import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from ..base.checks import check_kind
@@ -15,8 +11,6 @@ from .ground import Ground
 from .robot import Robot
 from .unit_doubts import unit_doubts
 
-Factors = Sequence[float] | NDArray[np.float64]
-
 
 def check_parts(robot: Robot, ground: Ground, gait: Gait | None = None) -> None:
     """Raise BadInput unless robot, ground and (if any) gait came in this order.
@@ -24,10 +18,10 @@ def check_parts(robot: Robot, ground: Ground, gait: Gait | None = None) -> None:
     What looks like a number in another unit is warned of, once in a program.
     """
     order = "robot, ground, gait"
-    check_kind("robot", robot, Robot, order)
-    check_kind("ground", ground, Ground, order)
+    check_kind("robot", robot, Robot, order=order)
+    check_kind("ground", ground, Ground, order=order)
     if gait is not None:
-        check_kind("gait", gait, Gait, order)
+        check_kind("gait", gait, Gait, order=order)
     for doubt in unit_doubts(robot, gait):
         warnings.warn(doubt, stacklevel=1)
 
@@ -44,13 +38,8 @@ def friction_numbers(ground: Ground) -> tuple[float, float, float, float, float,
     )
 
 
-def core_model(
-    robot: Robot, ground: Ground, gait: Gait, joints: tuple[Factors, Factors] | None = None
-) -> _core.Model:
-    """Hand the three to the compiled core (which counts length by halves, as the paper does).
-
-    joints: gains and shifts of the joints, rad, in place of the gait's.
-    """
+def core_model(robot: Robot, ground: Ground, gait: Gait) -> _core.Model:
+    """Hand the three to the compiled core (which counts length by halves, as the paper does)."""
     model = _core.Model(
         robot.links,
         robot.link_mass_kg,
@@ -62,8 +51,6 @@ def core_model(
         gait.omega_rad_s,
         gait.offset_rad,
     )
-    if joints is not None:
-        model.set_joints(*(np.array(factors, float) for factors in joints))
-    elif gait.joint_gain or gait.joint_shift_rad:
+    if gait.joint_gain or gait.joint_shift_rad:
         model.set_joints(*gait.joint_factors(robot.links - 1))
     return model

@@ -231,13 +231,6 @@ class Servo:
             supply_v=supply_v,
         )
 
-    @property
-    def simple(self) -> bool:
-        """Tell whether it is a spring and a damper within limits, each joint by itself."""
-        return not (
-            self.update_hz or self.supply_sag or self.armature_kg_m2 or self.gear_friction_nm
-        )
-
 
 def core_servo(servo: Servo) -> Any:
     """Return a servo as the core takes it."""

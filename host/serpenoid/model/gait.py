@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import POSITIVE, Limits, check_fields, check_number
 from ..base.errors import BadInput
-
-if TYPE_CHECKING:
-    from ..base.vectors import Array
+from ..base.vectors import Array, number_array
 
 _BY_JOINT = {"joint_gain": Limits(0.0, 2.0), "joint_shift_rad": Limits(-math.pi, math.pi)}
 
@@ -115,19 +111,15 @@ class Gait:
         return cls(alpha_rad, beta_rad, omega_rad_s, offset_rad)
 
     def __post_init__(self) -> None:
-        limits = {
+        ranges = {
             "alpha_rad": Limits(0.0, math.pi),
             "beta_rad": Limits(-math.tau, math.tau),
             "omega_rad_s": POSITIVE,
             "offset_rad": Limits(-math.pi, math.pi),
         }
-        check_fields(self, limits)
+        check_fields(self, ranges)
         for name, limits in _BY_JOINT.items():
-            values = getattr(self, name)
-            if not isinstance(values, Iterable):
-                raise BadInput(
-                    f"{name} is {values!r}; it must be one value a joint, or () for none"
-                )
+            values = number_array(name, getattr(self, name)).ravel().tolist()
             object.__setattr__(
                 self, name, tuple(check_number(name, value, *limits) for value in values)
             )

@@ -68,7 +68,7 @@ class Ground:
     ) -> Ground:
         """Return the ground on one link from the whole snake's ct, cn (N s/m), ft0 and fn0 (N)."""
         share = 1.0 / check_links(links)
-        return cls(ct, cn, ft0, fn0).scaled(share, share, share, share)
+        return cls(ct, cn, ft0, fn0).scaled(*4 * [share])
 
     @property
     def ct_forward(self) -> float:

@@ -311,7 +311,7 @@ def with_servo(
         if progress is not None:
             progress(min(done / total, 1.0))
 
-    check_kind("servo", servo, (Servo, ServoKind))
+    check_kind("servo", servo, Servo, ServoKind)
     typical = servo.servo if isinstance(servo, ServoKind) else servo
     s = servo_state(ideal, typical, progress=tell)
     if math.isnan(s.speed):

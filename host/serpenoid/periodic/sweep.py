@@ -214,7 +214,7 @@ def sweep(
     ((2, 1, 1), True)
     """
     if servo is not None:
-        check_kind("servo", servo, (Servo, ServoKind))
+        check_kind("servo", servo, Servo, ServoKind)
     check_kind("powers", powers, bool)
     check_parts(robot, ground)
     check_ground(ground, rtol)

@@ -286,7 +286,8 @@ def objection(name: str, scene: Scene) -> str | None:
         return f"does not run with formulation {scene.formulation!r}"
     if scene.law not in kind.laws:
         return f"does not run with law {scene.law!r}"
-    if name == "radau" and servo is not None and not servo.simple:
+    names = "armature_kg_m2", "gear_friction_nm", "update_hz", "supply_sag"
+    if name == "radau" and any(getattr(servo, part, 0.0) for part in names):
         return "does not run with rotors, gear friction, a loop that holds or a supply that sags"
     if name == "dop853" and servo is not None and servo.gear_friction_nm > 0:
         return "does not run with gear friction"
