@@ -13,9 +13,13 @@ namespace serpenoid {
 namespace {
 
 using Vector = std::vector<double>;
-constexpr double kInside = 1 - 1e-15;     // share of a bound that is not at it yet
-constexpr double kRounding = 1e-13;       // rounding, as a share of the largest number
-constexpr double kRegularisation = 1e-9;  // share of a diagonal that is added to it
+constexpr struct {
+    double inside = 1 - 1e-15;  // share of a bound that is not at it yet: a few units of rounding
+    double rounding = 1e-13;    // rounding of the sums, as a share of the largest number
+    // Share of a diagonal that is added to it, for the smallest of many solutions. Three
+    // refinements undo it to rounding.
+    double regularisation = 1e-9;
+} kBoxLimits;
 
 }  // namespace
 
@@ -51,14 +55,15 @@ void BoxQuadratic::minimise_free(const Vector& A, const Vector& b, Vector& z) {
     matrix_ = A;
     right_ = b;
     for (double& r : right_) r = -r;
-    solve(kRegularisation);
+    solve(kBoxLimits.regularisation);
     z = x_;
 }
 
 // If the matrix is nearly singular, solve() may not reach the minimum, and bounds are freed and
 // fixed without end. A smaller regularisation then finds it.
 bool BoxQuadratic::minimise(const Vector& A, const Vector& b, Vector& z) {
-    return descend(A, b, z, kRegularisation) || descend(A, b, z, 1e-4 * kRegularisation);
+    return descend(A, b, z, kBoxLimits.regularisation) ||
+           descend(A, b, z, 1e-4 * kBoxLimits.regularisation);
 }
 
 bool BoxQuadratic::descend(const Vector& A, const Vector& b, Vector& z, double regularisation) {
@@ -69,7 +74,7 @@ bool BoxQuadratic::descend(const Vector& A, const Vector& b, Vector& z, double r
         return std::inner_product(z.begin(), z.end(), A.begin() + static_cast<long>(i * n), b[i]);
     };
     const auto rounding = [&](std::size_t i) {
-        return kRounding * std::sqrt(scale * A[i * n + i]);
+        return kBoxLimits.rounding * std::sqrt(scale * A[i * n + i]);
     };
     const auto larger = [](double a, double b) { return std::fabs(a) < std::fabs(b); };
     free_.clear();
@@ -113,7 +118,7 @@ bool BoxQuadratic::descend(const Vector& A, const Vector& b, Vector& z, double r
         }
         for (std::size_t i = 0; i < size; ++i) {
             double& goal = z[free_[i]];
-            goal = std::clamp(goal + part * (x_[i] - goal), -kInside, kInside);
+            goal = std::clamp(goal + part * (x_[i] - goal), -kBoxLimits.inside, kBoxLimits.inside);
         }
         if (stop >= 0) {
             z[free_[stop]] = std::copysign(1.0, x_[stop]);
@@ -132,7 +137,7 @@ bool BoxQuadratic::descend(const Vector& A, const Vector& b, Vector& z, double r
         }
         if (worst < 0) return true;
         free_.push_back(worst);
-        z[worst] *= kInside;
+        z[worst] *= kBoxLimits.inside;
     }
     return false;
 }

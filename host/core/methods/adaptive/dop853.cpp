@@ -10,6 +10,26 @@ namespace serpenoid {
 
 using namespace dop853;
 
+namespace {
+// The controller's numbers are those of Hairer's program DOP853.
+constexpr struct {
+    // Powers of this error and of the last one in the next step, and its share of what they allow.
+    double last_power = 0.04, power = 1.0 / 8 - 0.2 * last_power, safety = 0.9;
+    // Shortest next step after a rejected and after an accepted one, and the longest, over this
+    // one.
+    double rejected = 0.1, shortest = 0.3, longest = 6;
+    // Least error that counts as the last one.
+    double min_error = 1e-4;
+    // h |lambda| of the edge of the stability region, and steps in a row there of a stiff scene.
+    double stability = 6.1;
+    int stiff_steps = 15;
+    // Steps to come that end the run of a stiff scene: ten seconds of work for six links.
+    double max_steps = 2e6;
+    // First step, as a share of the motion's unit of time.
+    double first_step = 0.01;
+} kStepControl;
+}  // namespace
+
 Dop853::Dop853(System& system, const std::vector<double>& scale, double tolerance)
     : system_(system),
       dim_(system.dim()),
@@ -20,8 +40,7 @@ Dop853::Dop853(System& system, const std::vector<double>& scale, double toleranc
       z_(dim_),
       k_(kAll * dim_),
       dense_(7 * dim_) {
-    constexpr double kFirstStep = 0.01;  // share of the motion's unit of time
-    h_next_ = kFirstStep * scale[0] / scale[system.coordinates()];
+    h_next_ = kStepControl.first_step * scale[0] / scale[system.coordinates()];
     for (int i = 0; i < dim_; ++i) weight_[i] = 1 / (scale[i] * tolerance);
 }
 
@@ -30,7 +49,7 @@ void Dop853::restart(double t, const double* y) {
     t_old_ = t;
     h_ = 0;
     error_ = 0;
-    error_old_ = 1e-4;
+    error_old_ = kStepControl.min_error;
     stiff_steps_ = 0;
     std::copy_n(y, dim_, y_.begin());
     system_.rate(t, y, k(kStages));
@@ -87,8 +106,8 @@ bool Dop853::stiff(double h) {
         states += dy * dy * weight_[i] * weight_[i];
     }
     decay_ = states > 0 ? h * std::sqrt(rates / states) : 0;
-    stiff_steps_ = decay_ > 6.1 ? stiff_steps_ + 1 : 0;
-    return stiff_steps_ >= 15;
+    stiff_steps_ = decay_ > kStepControl.stability ? stiff_steps_ + 1 : 0;
+    return stiff_steps_ >= kStepControl.stiff_steps;
 }
 
 const char* Dop853::step(double t_limit) {
@@ -105,19 +124,21 @@ const char* Dop853::step(double t_limit) {
         }
         stages(h);
         error_ = error(h);
-        const double grow = std::pow(std::max(error_, 1e-14), -(1.0 / 8 - 0.2 * 0.04));
+        const double grow = std::pow(std::max(error_, 1e-14), -kStepControl.power);
         if (!(error_ <= 1)) {
-            h *= std::max(0.1, 0.9 * grow);
+            h *= std::max(kStepControl.rejected, kStepControl.safety * grow);
             h_next_ = h;
             continue;
         }
         t_ = last ? t_limit : t_old_ + h;
         h_ = h;
         system_.rate(t_, y_.data(), k(kStages));
-        const double factor = 0.9 * grow * std::pow(error_old_, 0.04);
-        h_next_ = std::max(h * std::clamp(factor, 0.3, 6.0), last ? h_next_ : 0);
-        error_old_ = std::max(error_, 1e-4);
-        if (stiff(h) && t_limit - t_ > kMostStiff * h)
+        const double factor =
+            kStepControl.safety * grow * std::pow(error_old_, kStepControl.last_power);
+        h_next_ = std::max(h * std::clamp(factor, kStepControl.shortest, kStepControl.longest),
+                           last ? h_next_ : 0);
+        error_old_ = std::max(error_, kStepControl.min_error);
+        if (stiff(h) && t_limit - t_ > kStepControl.max_steps * h)
             return "the scene is stiff: an explicit method would take millions of steps";
         return nullptr;
     }

@@ -18,8 +18,8 @@ namespace serpenoid {
 // a polynomial of order 7 holds, which three more rates give when it is first asked for.
 //
 // An explicit method has to resolve the fastest decay of a system even where nothing moves by it.
-// From stages 11 and 12, both at the end of the step, comes h |lambda| of that decay; 15 steps
-// in a row at the edge of the stability region, and more than kMostStiff to come, end the run.
+// From stages 11 and 12, both at the end of the step, comes h |lambda| of that decay; a
+// run ends after some steps in a row at the edge of the stability region, if millions are to come.
 class Dop853 final : public Method {
   public:
     // `scale`: what counts as 1 in each entry of the state.
@@ -37,7 +37,6 @@ class Dop853 final : public Method {
     double decay() const { return decay_; }  // h |lambda| of the last step
 
   private:
-    static constexpr double kMostStiff = 2e6;  // steps to come: ten seconds of work for six links
     template <int stage>
     void combine(double h, double* state) const;
     template <int stage>

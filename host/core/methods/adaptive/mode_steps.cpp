@@ -8,6 +8,22 @@
 
 namespace serpenoid {
 
+namespace {
+// Set on 24 random dry runs, and `progress` on 30 whose servos and torques are strong.
+constexpr struct {
+    // Samples of a step in the search for the end of a mode, and halvings between two of them in
+    // the search for a dip. They find a wheel that slides back for a thousandth of a cycle, in 1.02
+    // times the time of a search without dips.
+    int samples = 8, halvings = 10;
+    // Ends of modes without progress before a run fails: wheels that chatter would go on for ever.
+    int max_repeats = 300;
+    // Time that counts as progress, over the shortest step: wheels of strong servos turn within it.
+    double progress = 1e3;
+    // Excess of stiff steps before implicit steps begin: a single fast decay does not pay for them.
+    int stiff_steps = 12;
+} kSearch;
+}  // namespace
+
 ModeSteps::ModeSteps(System& system, Sticking& modes, const std::vector<double>& scale,
                      double tolerance, double min_step)
     : modes_(modes),
@@ -83,10 +99,11 @@ bool ModeSteps::find_dip(const Sample& a, const Sample& b, const Sample& c, cons
 // Search a step for the first end of a mode; if there is one, set t_ to it.
 bool ModeSteps::find_end(double start, double end) {
     std::vector<Sample> samples{last_sample_ ? *std::exchange(last_sample_, {}) : sample_at(start)};
-    for (int k = 1; k <= kSamples; ++k) {
-        samples.push_back(sample_at(k == kSamples ? end : start + (end - start) * k / kSamples));
+    for (int k = 1; k <= kSearch.samples; ++k) {
+        samples.push_back(
+            sample_at(k == kSearch.samples ? end : start + (end - start) * k / kSearch.samples));
         if (k > 2 &&
-            find_dip(samples[k - 3], samples[k - 2], samples[k - 1], samples[k], kHalvings))
+            find_dip(samples[k - 3], samples[k - 2], samples[k - 1], samples[k], kSearch.halvings))
             return true;
         if (samples[k].ended()) {
             t_ = end_of_mode(samples[k - 1], samples[k]);
@@ -97,11 +114,11 @@ bool ModeSteps::find_end(double start, double end) {
     return false;
 }
 
-// Change to implicit steps after kStiffSteps more explicit steps with fast decays than without.
+// Change to implicit steps after some more explicit steps with fast decays than without.
 void ModeSteps::check_stiffness() {
     if (smooth_ == &stiff_) return;
     stiff_steps_ = std::max(0, stiff_steps_ + (explicit_.decay() > stiff_decay_ ? 1 : -1));
-    if (stiff_steps_ < kStiffSteps) return;
+    if (stiff_steps_ < kSearch.stiff_steps) return;
     stiff_.begin(t_, y_.data(), explicit_.next_step(), 0);
     smooth_ = &stiff_;
 }
@@ -109,8 +126,9 @@ void ModeSteps::check_stiffness() {
 const char* ModeSteps::step(double t_limit) {
     check_stiffness();
     if (mode_ends_) {
-        repeats_ = t_ - last_end_ > kProgress * min_step_ ? 0 : repeats_ + 1;
-        if (repeats_ > kMaxRepeats) return "the wheels stick and slip too often to be followed";
+        repeats_ = t_ - last_end_ > kSearch.progress * min_step_ ? 0 : repeats_ + 1;
+        if (repeats_ > kSearch.max_repeats)
+            return "the wheels stick and slip too often to be followed";
         last_end_ = t_;
         modes_.find_modes(t_, y_.data());
         last_sample_.reset();

@@ -30,11 +30,6 @@ class ModeSteps final : public Method {
     double local_error() const override { return smooth_->local_error(); }
 
   private:
-    static constexpr int kSamples = 8;    // samples of a step in the search for the end of a mode
-    static constexpr int kHalvings = 10;  // halvings between two samples in the search for a dip
-    static constexpr int kMaxRepeats = 300;   // ends of modes without progress before a run fails
-    static constexpr int kStiffSteps = 12;    // excess of stiff steps before implicit steps begin
-    static constexpr double kProgress = 1e3;  // time that counts as progress, over min_step_
     struct Sample {
         double t;
         std::vector<double> margin;

@@ -25,8 +25,7 @@ constexpr struct {
 // Weights of the stages' changes, over h, in the embedded formula: (-13 -+ 7 sqrt 6) / 3, -1/3.
 constexpr double kError[3] = {-10.048809399827416, 1.3821427331607488, -1.0 / 3};
 
-// Set by the runs on springs of tests/host/simulation/test_radau.py, with 6, 24 and 50 links, by
-// processor time and by the error after a second.
+// Set like SwitchedSteps::kSwitching, on springs with 6, 24 and 50 links.
 constexpr struct {
     // Share of the tolerance that the iteration may miss. Such errors lean to one side and add up:
     // with .01 torque tables at 1e-9 were off by 1e-8, with .0003 by .6e-9, in the same time.
@@ -40,7 +39,7 @@ constexpr struct {
     // Share of the scale, for derivatives by differences: above the root of rounding, as forces
     // have kinks.
     double difference = 1e-5;
-} kTuning;
+} kRadauTuning;
 
 // For any system, by differences.
 class DenseEquations final : public StepEquations {
@@ -60,7 +59,7 @@ class DenseEquations final : public StepEquations {
         // from the first angle: the ground is even, no force depends on x and y
         for (int entry = 2; entry < 2 * m_; ++entry) {
             double* slopes = &(entry < m_ ? by_place_ : by_rate_)[entry % m_ * m_];
-            const double difference = kTuning.difference * scale_[entry];
+            const double difference = kRadauTuning.difference * scale_[entry];
             shifted[entry] += difference;
             system_.rate(t, shifted.data(), moved_.data());
             shifted[entry] = y[entry];
@@ -105,7 +104,7 @@ Radau::Radau(System& system, const Vector& scale, double tolerance, const Weight
     for (Vector* v : {&real_change_, &filter_, &place_}) v->resize(m_);
     complex_change_.resize(m_);
     if (!equations_) equations_ = std::make_unique<DenseEquations>(system, scale);
-    h_next_ = kTuning.first_step * unit_s_;
+    h_next_ = kRadauTuning.first_step * unit_s_;
 }
 
 void Radau::begin(double t, const double* y, double first, double shortest) {
@@ -180,9 +179,10 @@ double Radau::iterate(double h) {
 }
 
 bool Radau::solve(double h) {
-    const double enough = std::max(kTuning.iteration_error, kTuning.rate_rounding / tolerance_);
+    const double enough =
+        std::max(kRadauTuning.iteration_error, kRadauTuning.rate_rounding / tolerance_);
     double last_change = 0, contraction = 0;
-    for (iterations_ = 1; iterations_ <= kTuning.iterations; ++iterations_) {
+    for (iterations_ = 1; iterations_ <= kRadauTuning.iterations; ++iterations_) {
         const double change = iterate(h);
         if (!(change < 1e300)) return false;
         double remaining = change;  // what later iterations would add
@@ -192,7 +192,7 @@ bool Radau::solve(double h) {
         }
         if (remaining <= enough) return true;
         // at this pace the iterations that are left do not suffice
-        const double last = change * std::pow(contraction, kTuning.iterations - iterations_);
+        const double last = change * std::pow(contraction, kRadauTuning.iterations - iterations_);
         if (iterations_ > 2 && last > enough) return false;
         last_change = change;
     }
@@ -267,7 +267,8 @@ const char* Radau::step(double t_limit) {
             h_next_ = std::min(next, 0.9 * h);
             continue;
         }
-        h_next_ = std::min(last ? std::max(h_next_, next) : next, kTuning.longest_step * unit_s_);
+        h_next_ =
+            std::min(last ? std::max(h_next_, next) : next, kRadauTuning.longest_step * unit_s_);
         accept(h, last ? t_limit : t_ + h);
         return nullptr;
     }
