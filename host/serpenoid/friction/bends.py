@@ -34,7 +34,6 @@ CORRELATION = 0.25
 BEND_ERROR, COMMON_ERROR = "lambda_offset_rad_at_", "common error of bends"
 STRAIGHTNESS = "straight links' mean angle"
 STEERED_LINKS = 2  # Straight links that steering aligns with the path exactly.
-SAME_BEND_RAD = math.radians(1e-3)  # Difference of one bend written with four decimals.
 
 
 @dataclass(frozen=True)
@@ -172,7 +171,7 @@ def _postures(
             k
             for k, check in enumerate(checks)
             if check.number < reading.number
-            and abs(check.found_rad - reading.lambda_rad) < SAME_BEND_RAD
+            and math.isclose(check.found_rad, reading.lambda_rad, abs_tol=2e-5)
         ]
         return matching[-1] if matching else -1
 

@@ -23,12 +23,6 @@ from ..session.session import Session
 from .parameters import Floats
 from .rolling_law import coefficients
 
-# A wheel's J / r^2 over its mass: 0.5 for a disc, 1 for a ring; with the spread of what is sold.
-WHEEL_SHAPE = (0.75, 0.15)
-# Where nobody told what the wheels weigh: their J / r^2 over the robot's mass.
-UNTOLD = (0.045, 0.03)
-MIN_PLACE_SIGMA_M = 1e-4  # nobody reads a place on a belt better
-
 
 @dataclass(frozen=True, eq=False)
 class Drift:
@@ -78,7 +72,7 @@ def drifts_of(session: Session) -> dict[int, Drift]:
             speed = float(np.abs(np.diff(y) / np.diff(t)).max())
             sigma_m = math.hypot(tools.distance_sigma_m, speed * tools.time_sigma_s)
             off_m = y[-1] / t[-1] * t - y
-            drifts[k] = Drift(t, off_m, max(sigma_m, MIN_PLACE_SIGMA_M), *mass)
+            drifts[k] = Drift(t, off_m, max(sigma_m, 1e-4), *mass)
     return drifts
 
 
@@ -86,7 +80,8 @@ def wheels_share(session: Session) -> tuple[float, float]:
     """Return J / r^2 of all wheels over the robot's mass, and its standard deviation."""
     wheels_kg = session.setup.robot_table.wheels_kg
     if wheels_kg is None:
-        return UNTOLD
-    mean, sigma = WHEEL_SHAPE
+        return 0.045, 0.03
+    # J / r^2 over a wheel's mass: 0.5 for a disc, 1 for a ring; with the spread of what is sold
+    mean, sigma = 0.75, 0.15
     share = wheels_kg / (session.setup.robot.links * session.setup.robot.link_mass_kg)
     return mean * share, sigma * share

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,10 +16,9 @@ from ..base.files import read_json, write_text
 from ..session.session import Session
 from .result import FrictionFit
 
-FORMAT = 3  # 2 had more draws, of what readings share, too
-OLDEST = 2  # 1 had no draws
+# Formats that are read: 2 had more draws, of what readings share, too; 1 had none.
+OLDEST, FORMAT = 2, 3
 NAME = "fit.json"
-MAX_LETTERS = 200  # longest reason in a message
 
 
 def save_fit(fit: FrictionFit, path: str | Path) -> Path:
@@ -97,7 +97,7 @@ def load_fit(path: str | Path) -> FrictionFit:
         _check(content)
         fit = FrictionFit.from_dict(content)
     except (LookupError, TypeError, ValueError, AttributeError) as error:
-        what = f"{error} is missing" if isinstance(error, KeyError) else str(error)[:MAX_LETTERS]
+        what = f"{error} is missing" if isinstance(error, KeyError) else str(error)[:200]
         raise BadInput(
             f"{path}: not a fit of this program: {what}; `serpenoid fit DIR` writes it anew"
         ) from error
@@ -117,12 +117,9 @@ def hash_of(values: Mapping[str, Any]) -> str:
 
 def _check(content: Mapping[str, Any]) -> None:
     """Raise BadInput where the file is of another format, or not as a fit wrote it."""
-    written = check_number("format", content["format"], 1)
+    written = check_number("format", content["format"])
     if not OLDEST <= written <= FORMAT:
-        cure = "an older version wrote it" if written < OLDEST else "install a newer one"
-        raise BadInput(
-            f"format is {written}; this version reads formats {OLDEST} to {FORMAT}; {cure}"
-        )
+        raise BadInput(f"format is {written}; this version reads formats {OLDEST} to {FORMAT}")
     if content.get("sha256") != hash_of({k: v for k, v in content.items() if k != "sha256"}):
         raise BadInput(
             "sha256 is not that of its numbers: an older version wrote it, or it was edited"
@@ -136,10 +133,8 @@ def _with_age(fit: FrictionFit, path: Path) -> FrictionFit:
     folder = path.parent
     if not (folder / "session.toml").exists():
         return fit
-    try:
+    with suppress(BadInput):  # readings that cannot be read are others, too
         if rests_on(fit, load_session(folder)):
             return fit
-    except BadInput:
-        pass  # readings that cannot be read are others, too
     alarm = f"{path} is older than the readings beside it: run `serpenoid fit {folder}` again."
     return replace(fit, notes=(*fit.notes, alarm), alarms=(*fit.alarms, alarm))

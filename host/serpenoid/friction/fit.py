@@ -201,15 +201,17 @@ def _joint(session: Session, estimate: MapEstimate, seed: int) -> FrictionFit:
     posterior, values = estimate.posterior, estimate.x[:COUNT]
     samples = _scaled(session, posterior, posterior.samples(estimate, seed), seed)
     frictions = samples.x[:, :COUNT]
-    ends = [narrowest(frictions[:, k], samples.weight_for(k), values[k]) for k in range(COUNT)]
+    ends = np.array(
+        [narrowest(frictions[:, k], samples.weight_for(k), values[k]) for k in range(COUNT)]
+    )
     covariance = np.cov(frictions.T, aweights=samples.unlimited, ddof=0)
     shown = [kind.sizes(estimate.values) for kind in posterior.kinds]
     return FrictionFit(
         "joint",
         session.setup.robot,
         values,
-        _beside_limits(covariance, values, np.array(ends)),
-        np.array(ends),
+        _beside_limits(covariance, values, ends),
+        ends,
         spread_samples(frictions, samples.weight, seed),
         chi2=estimate.chi2,
         dof=int(np.sum(posterior.numbers >= 0)) - COUNT,
@@ -225,10 +227,8 @@ def _beside_limits(covariance: Floats, values: Floats, ends: Floats) -> Floats:
 
     Their sigma is at most such that value + 1.96 sigma is the interval's upper end.
     """
-    from scipy.special import ndtri
-
     sigma = np.sqrt(np.diag(covariance))
-    above = (ends[:, 1] - values) / float(ndtri(0.5 + LEVEL / 2))
+    above = (ends[:, 1] - values) / 1.96
     share = np.where(ends[:, 0] > 0.0, 1.0, np.minimum(above / np.maximum(sigma, 1e-300), 1.0))
     return np.asarray(covariance * np.outer(share, share))
 

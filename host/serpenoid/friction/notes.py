@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,23 +21,42 @@ if TYPE_CHECKING:
     from .stations import Stations
 
 APART_CHI2 = 2 * math.log(10.0)  # Difference of chi2 for a likelihood ratio of ten.
-MOVED_SIGMAS = 2.0  # Difference of two zeros, in its sigma, above which a note is written.
-MIN_FILMS = 3  # Fewest films of one place from which a wrong direction is found.
-NEGATIVE_SIGMAS = 3.0  # Distance of a friction below 0, in its sigma, that is an alarm.
-WEAK = 0.25  # Relative sigma above which a friction is known only roughly.
-ADVISED_LAMBDA_DEG = 15.0
-# Smallest bends, in their sigma, that are accepted, and that are advised. Below the first, sin^2 of
-# the bend is unknown; below the second, cn is biased by 3 (sigma / lambda)^2, more than 3 %.
-MIN_BEND_SIGMAS, SAFE_BEND_SIGMAS = 5.0, 10.0
-# Smallest range of the speeds, in their sigma. With less, noise could determine the line, and the
-# intervals of a linearised fit would be too narrow.
-MIN_SPAN_SIGMAS = 4.0
-OPEN = 0.5  # Sigma of a friction's force over all force, above which it is not determined.
-WEAK_PRIOR = 1e-6  # Information of a prior that gives undetermined frictions a huge sigma.
 # Pushes that determine the frictions along the wheels, and those across.
 STRAIGHT_PUSHES = "pushes of the straight robot at 0.9 m/s, both ways, filmed"
 BENT_PUSHES = "pushes in the balanced bend of 42 degrees, both ways, filmed"
 READING = "reading "  # Start of the names of suspects that are readings.
+
+
+@dataclass(frozen=True)
+class FitLimits:
+    """What readings must show, and what is worth a note or an alarm.
+
+    min_bend_sigmas, safe_bend_sigmas: smallest bends, in their sigma, that are accepted, and that
+    are advised, advised_lambda_deg at least. Below the first, sin^2 of the bend is unknown; below
+    the second, cn is biased by 3 (sigma / lambda)^2, more than 3 %.
+    min_span_sigmas: smallest range of the speeds, in their sigma. With less, noise could determine
+    the line, and the intervals of a linearised fit would be too narrow.
+    open_share: sigma of a friction's force over all force, above which it is not determined.
+    weak_information: of a prior that gives undetermined frictions a huge sigma.
+    moved_sigmas: difference of two zeros, in its sigma, above which a note is written.
+    min_films: fewest films of one place from which a wrong direction is found.
+    negative_sigmas: distance of a friction below 0, in its sigma, that is an alarm.
+    rough_share: relative sigma above which a friction is known only roughly.
+    """
+
+    min_bend_sigmas: float = 5.0
+    safe_bend_sigmas: float = 10.0
+    advised_lambda_deg: float = 15.0
+    min_span_sigmas: float = 4.0
+    open_share: float = 0.5
+    weak_information: float = 1e-6
+    moved_sigmas: float = 2.0
+    min_films: int = 3
+    negative_sigmas: float = 3.0
+    rough_share: float = 0.25
+
+
+LIMITS = FitLimits()
 
 
 def check_readings(session: Session, stations: Stations, min_count: int) -> None:
@@ -46,9 +66,11 @@ def check_readings(session: Session, stations: Stations, min_count: int) -> None
     across the wheels.
     """
     sigma_rad = session.setup.instruments.lambda_sigma_rad
-    advised_deg = max(ADVISED_LAMBDA_DEG, math.ceil(math.degrees(sigma_rad) * SAFE_BEND_SIGMAS))
+    advised_deg = max(
+        LIMITS.advised_lambda_deg, math.ceil(math.degrees(sigma_rad) * LIMITS.safe_bend_sigmas)
+    )
     across = np.where(stations.bent, np.sin(stations.lambda_rad), 1.0)
-    needed_m_s = MIN_SPAN_SIGMAS * stations.speed_sigma_m_s
+    needed_m_s = LIMITS.min_span_sigmas * stations.speed_sigma_m_s
     parts = [
         ("ct and ft0", "straight", "straight (lambda_deg = 0)"),
         ("cn and fn0", "bent", f"with lambda_deg = {advised_deg:g}"),
@@ -65,12 +87,13 @@ def check_readings(session: Session, stations: Stations, min_count: int) -> None
                 f"belt speeds span {needed_m_s:.2g} m/s (0.2 and 0.8 m/s, say); take more"
             )
     largest_rad = max(stations.bends.angle_rad)
-    if largest_rad <= MIN_BEND_SIGMAS * sigma_rad:
+    if largest_rad <= LIMITS.min_bend_sigmas * sigma_rad:
         raise BadInput(
             f"{session.where}: cn and fn0 cannot be told: lambda_deg is "
             f"{math.degrees(largest_rad):g} with a standard deviation of "
-            f"{math.degrees(sigma_rad):g}; a bend must be more than {MIN_BEND_SIGMAS:g} of these "
-            f"from straight; two readings with lambda_deg = {advised_deg:g} would do it"
+            f"{math.degrees(sigma_rad):g}; a bend must be more than "
+            f"{LIMITS.min_bend_sigmas:g} of these from straight; two readings with lambda_deg = "
+            f"{advised_deg:g} would do it"
         )
 
 
@@ -88,12 +111,12 @@ def check_floor(session: Session, estimate: MapEstimate) -> None:
     fast = max(kind.fastest_m_s for kind in estimate.posterior.kinds)
     pairs = [("ct and ft0", 0, 2, STRAIGHT_PUSHES), ("cn and fn0", 1, 3, BENT_PUSHES)]
     information = estimate.slopes.T @ estimate.slopes
-    covariance = np.linalg.inv(information + WEAK_PRIOR * np.eye(len(information)))
+    covariance = np.linalg.inv(information + LIMITS.weak_information * np.eye(len(information)))
     sigma = np.sqrt(np.diag(covariance))
     for names, viscous, dry, cure in pairs:
         force = max(estimate.x[viscous] * fast + estimate.x[dry], 1e-9)
         relative_error = max(sigma[viscous] * fast, sigma[dry]) / force
-        if not relative_error <= OPEN:
+        if not relative_error <= LIMITS.open_share:
             raise BadInput(
                 f"{session.where}: {names} cannot be told from these pushes: their error is "
                 f"{min(relative_error, 1.0):.0%} of the force or more; take {cure}"
@@ -148,7 +171,7 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             f"± {sigma_rad * session.setup.weight_n:.2g} N of ft0. Read it both ways round; that "
             "takes a minute: `serpenoid calibrate add DIR zero incline_deg=0.1 reversed_deg=0`."
         )
-    if session.zero.moved_sigmas > MOVED_SIGMAS:
+    if session.zero.moved_sigmas > LIMITS.moved_sigmas:
         notes.append(
             "The inclinometer's zero moved between before and after by more than its readings' "
             "errors: half of that is in the zero's uncertainty. Let it warm up, and measure again."
@@ -178,7 +201,7 @@ def _weak_notes(fit: FrictionFit) -> list[str]:
     for name, (value, sigma) in zip(fit.whole_snake, fit.parameters.values(), strict=True):
         if value == 0.0:
             notes.append(f"{name} ends at its limit of 0: only an upper end is known.")
-        elif sigma > WEAK * value:
+        elif sigma > LIMITS.rough_share * value:
             weak.append(f"{name} to {sigma / value:.0%}")
     if weak:
         notes.append(
@@ -231,7 +254,7 @@ def _turned_round(session: Session) -> list[int]:
         ways_m[[push.way == "back" for push in same_place]] *= -1.0
         directions = ways_m / np.linalg.norm(ways_m, axis=1, keepdims=True)
         opposite = directions @ np.median(directions, axis=0) < 0.0
-        if len(same_place) >= MIN_FILMS:
+        if len(same_place) >= LIMITS.min_films:
             turned += [same_place[k].number for k in np.flatnonzero(opposite)]
     return sorted(turned)
 
@@ -248,7 +271,7 @@ def _against_the_law(stations: Any, estimate: MapEstimate) -> list[str]:
         """Return terms times (ct, cn, ft0, fn0) in words if the sum is significantly below 0."""
         value = float(free[:4] @ terms)
         sigma = math.sqrt(terms @ covariance[:4, :4] @ terms)
-        return f"{value:.2g} ± {sigma:.1g} N" if value < -NEGATIVE_SIGMAS * sigma else ""
+        return f"{value:.2g} ± {sigma:.1g} N" if value < -LIMITS.negative_sigmas * sigma else ""
 
     alarms = [
         f"Friction of the {name} robot falls with speed ({value} s/m): no sum of dry and viscous "

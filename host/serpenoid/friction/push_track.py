@@ -16,12 +16,6 @@ import numpy as np
 from .parameters import Floats
 from .rolling_law import integral, rolled_m, stop_point
 
-MIN_SPEED_M_S = 1e-3
-MIN_DRY_M_S2 = 1e-6  # a push that would not come to rest then takes long, not for ever
-ROUNDS = 4  # steps of Gauss-Newton for a push's own numbers; the last one is below 1e-3 sigma
-LAW_STEPS = np.full(8, 1e-3)  # steps of the differences by the law's numbers
-START_STEPS = np.array([1e-3, 1e-3, 1e-3, 1e-3, 0.03, 0.03])  # and by those of the start
-
 
 @dataclass(frozen=True, eq=False)
 class PushTrack:
@@ -75,7 +69,8 @@ class PushTrack:
         """
         start, law = numbers[:, :-8], numbers[:, -8:]
         if self.source == "rest":
-            dry = np.maximum(law[:, 1] - law[:, 2], MIN_DRY_M_S2)
+            # a push that would not come to rest takes long, not for ever
+            dry = np.maximum(law[:, 1] - law[:, 2], 1e-6)
             stop_s, stop_m = stop_point(start[:, 0], law[:, 0], dry)
             errors = (stop_m - self.along_m) / self.sigma_m, (stop_s - self.t_s) / self.sigma_s
             return np.stack(errors, axis=1)
@@ -104,12 +99,13 @@ class PushTrack:
             count = 6 if self.slips else len(self.law_columns)
             start = self.pushed_m_s * np.eye(1, count)[0]
             nearby = LinearTrack(law, start, np.zeros((len(start), 8)), law[:0], law[:0])
-            for _ in range(ROUNDS):
+            for _ in range(4):  # steps of Gauss-Newton; the last one is below 1e-3 sigma
                 nearby = self.linear_about(law, nearby)
         start = nearby.start + nearby.start_slopes @ (law - nearby.law)
-        start[0] = max(start[0], 0.3 * self.pushed_m_s, MIN_SPEED_M_S)
+        start[0] = max(start[0], 0.3 * self.pushed_m_s, 1e-3)
         count = len(start)
-        steps = np.append(START_STEPS[:count], LAW_STEPS)
+        steps = np.full(count + 8, 1e-3)
+        steps[4:count] = 0.03  # slip and turning, in standard deviations of how hands let go
         changes = np.vstack([np.zeros_like(steps), np.diag(steps)])
         rows = self.residuals(np.concatenate([start, law]) + changes)
         slopes = (rows[1:] - rows[0]).T / steps

@@ -31,8 +31,6 @@ from .push_track import LinearTrack, PushTrack
 
 WHEELS, SCALE = "wheels_turning_over_mass", "film_scale"
 SLOPES = ("floor_slope_rad", "floor_slope_across_rad")
-TAPE_SIGMA_M = 0.005  # error of a way measured from where a hand let go
-FILM_SIGMA_M = 0.001  # error of a place in a film, where nothing states it
 # A path further off the line of its floor was filmed by a camera that somebody turned.
 MAX_CROOKED_RAD = math.radians(25.0)
 
@@ -195,10 +193,10 @@ def _track(push: Push, time_sigma_s: float, slipping: bool) -> PushTrack:
     if push.track is None:
         sigma_s = time_sigma_s if push.time_sigma_s is None else push.time_sigma_s
         t, x = np.array([push.duration_s]), np.array([push.distance_m])
-        sigma_m = push.distance_sigma_m or TAPE_SIGMA_M
+        sigma_m = push.distance_sigma_m or 0.005
         return PushTrack(push.number, "rest", t, x, sigma_m, sigma_s, np.zeros(1), np.zeros(1))
     t, x, y = push.counted
-    sigma_m, sigma_s = push.distance_sigma_m or FILM_SIGMA_M, push.time_sigma_s or 0.0
+    sigma_m, sigma_s = push.distance_sigma_m or 0.001, push.time_sigma_s or 0.0
     along_m, left_m, chord_rad = chord_places(x, y)
     path_m, direction_rad = curved_path(along_m, left_m, sigma_m)
     way_m = along_m if slipping else path_m

@@ -25,9 +25,7 @@ WHOLE_SUFFIX = "_whole"
 NOT_WEIGHED = "The robot was not weighed"
 NO_ZERO = "The inclinometer's zero was not measured"
 DOUBTFUL = 0.01  # p-value below which the stated uncertainties and the readings do not agree
-TAILS = np.linspace(0.1, 0.9, 33) * (1.0 - LEVEL)  # shares below an interval that are tried
 KEPT_SAMPLES = 256
-DECIMALS = 7  # decimals of a sample in files, N or N s/m
 
 
 def ground_of(links: int, frictions: Sequence[float]) -> Ground:
@@ -313,11 +311,12 @@ def narrowest(x: Floats, weight: Floats, value: float) -> tuple[float, float]:
     """
     order = np.argsort(x)
     share = np.cumsum(weight[order]) - weight[order] / 2
-    low, high = (np.interp(TAILS + more, share, x[order]) for more in (0.0, LEVEL))
-    curve, slope, _ = np.polyfit(TAILS, high - low, 2)
-    tail = float(np.clip(-slope / (2.0 * curve), 0.0, TAILS[-1])) if curve > 0.0 else 0.0
+    tails = np.linspace(0.1, 0.9, 33) * (1.0 - LEVEL)  # shares below the interval
+    low, high = (np.interp(tails + more, share, x[order]) for more in (0.0, LEVEL))
+    curve, slope, _ = np.polyfit(tails, high - low, 2)
+    tail = float(np.clip(-slope / (2.0 * curve), 0.0, tails[-1])) if curve > 0.0 else 0.0
     first, last = np.interp([tail, tail + LEVEL], share, x[order]).tolist()
-    first = first if tail > TAILS[0] else 0.0
+    first = first if tail > tails[0] else 0.0
     return max(min(first, value), 0.0), max(last, value)
 
 
@@ -341,4 +340,4 @@ def spread_samples(x: Floats, weight: Floats, seed: int) -> Floats:
     steps = (np.arange(KEPT_SAMPLES) + np.random.default_rng(seed).random()) / KEPT_SAMPLES
     share = np.cumsum(weight[order])
     picked = order[np.searchsorted(share, steps * share[-1])]
-    return np.round(x[picked], DECIMALS)
+    return np.round(x[picked], 7)  # N s/m and N, as in files

@@ -17,12 +17,6 @@ from numpy.polynomial.polynomial import polyval
 
 from .parameters import Floats
 
-SERIES_LIMIT = 0.05  # Largest z = c t for which the series of q is exact to 1e-10.
-STOP_SERIES_LIMIT = 1e-3  # Largest w for which the series of time and distance are exact to 1e-10.
-SERIES_OF_Q = (1 / 2, -1 / 6, 1 / 24, -1 / 120, 1 / 720, -1 / 5040, 1 / 40320)
-SERIES_OF_TIME = (1.0, -1 / 2, 1 / 3, -1 / 4, 1 / 5)
-SERIES_OF_DISTANCE = (1 / 2, -1 / 3, 1 / 4, -1 / 5)
-
 
 def stop_point(v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
     """Return the time, s, and the distance, m, at which a body stops.
@@ -33,9 +27,12 @@ def stop_point(v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
     stops, v0 = f > 0.0, np.maximum(v0, 0.0)
     safe_f = np.where(stops, f, 1.0)
     w = np.where(stops, c * v0 / safe_f, 0.0)
-    large = np.where(np.abs(w) < STOP_SERIES_LIMIT, STOP_SERIES_LIMIT, w)
-    log = np.where(large == w, np.log1p(large) / large, polyval(w, SERIES_OF_TIME))
-    share = np.where(large == w, (1.0 - log) / large, polyval(w, SERIES_OF_DISTANCE))
+    smallest = 1e-3  # below it the series are exact to 1e-10
+    large = np.where(np.abs(w) < smallest, smallest, w)
+    log = np.where(
+        large == w, np.log1p(large) / large, polyval(w, (1, -1 / 2, 1 / 3, -1 / 4, 1 / 5))
+    )
+    share = np.where(large == w, (1.0 - log) / large, polyval(w, (1 / 2, -1 / 3, 1 / 4, -1 / 5)))
     time_s, distance_m = v0 / safe_f * log, v0**2 / safe_f * share
     return np.where(stops, time_s, np.inf), np.where(stops, distance_m, np.inf)
 
@@ -52,9 +49,10 @@ def rolled_m(t_s: Floats, v0: Floats, c: Floats, f: Floats) -> Floats:
 
 def coefficients(z: Floats) -> tuple[Floats, Floats]:
     """Return the coefficients p and q of x(t), in the shape of z."""
-    small = np.abs(z) < SERIES_LIMIT
-    large = np.where(small, 1.0, z)
-    q = np.where(small, polyval(z, SERIES_OF_Q), (large - 1.0 + np.exp(-large)) / large**2)
+    smallest = 0.05  # below it the series is exact to 1e-10
+    large = np.where(np.abs(z) < smallest, smallest, z)
+    series = polyval(z, (1 / 2, -1 / 6, 1 / 24, -1 / 120, 1 / 720, -1 / 5040, 1 / 40320))
+    q = np.where(large == z, (large - 1.0 + np.exp(-large)) / large**2, series)
     return 1.0 - z * q, q
 
 

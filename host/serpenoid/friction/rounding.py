@@ -57,11 +57,16 @@ def shown_step_rad(shown_rad: Floats, sigma_rad: float) -> float | None:
     return None
 
 
-def set_points(shown_rad: Floats, step_rad: float, grade_step: float) -> Integers | None:
-    """Return the treadmill's step number of each reading, from an arbitrary one; None if it has no
-    steps of grade_step, the tangent of the incline.
+def set_points(
+    shown_rad: Floats, sigma_rad: float, grade_step: float
+) -> tuple[float, Integers] | None:
+    """Return the inclinometer's step, rad, and the treadmill's step number of each reading.
+
+    The numbers count from an arbitrary one. None if the readings are no multiples of a step, or not
+    at steps of grade_step, the tangent of the incline.
     """
-    if grade_step < STEPS.min_ratio * step_rad:
+    step_rad = shown_step_rad(shown_rad, sigma_rad) if len(shown_rad) else None
+    if step_rad is None or grade_step < STEPS.min_ratio * step_rad:
         return None
     grade = np.tan(shown_rad)[:, None] - grade_step * np.arange(STEPS.trials) / STEPS.trials
     nearest = np.round(grade / grade_step)
@@ -69,7 +74,7 @@ def set_points(shown_rad: Floats, step_rad: float, grade_step: float) -> Integer
     best = int(distance.argmin())
     if distance[best] > (0.5 + STEPS.slack) * step_rad + grade_step / STEPS.trials:
         return None
-    return nearest[:, best].astype(np.intp)
+    return step_rad, nearest[:, best].astype(np.intp)
 
 
 def _phases(set_point: Integers, step_rad: float, grade_step: float) -> tuple[Floats, Floats]:
@@ -96,11 +101,10 @@ def shared_rounding(
     gets an independent error. All indices are -1 if the readings are not multiples of the
     inclinometer's step, or not at the treadmill's set points.
     """
-    none_shared = np.full(len(shown_rad), -1, dtype=np.intp), np.empty((STEPS.samples, 0))
-    step_rad = shown_step_rad(shown_rad, sigma_rad) if len(shown_rad) else None
-    points = None if step_rad is None else set_points(shown_rad, step_rad, grade_step)
-    if step_rad is None or points is None:
-        return none_shared
+    grid = set_points(shown_rad, sigma_rad, grade_step)
+    if grid is None:
+        return np.full(len(shown_rad), -1, dtype=np.intp), np.empty((STEPS.samples, 0))
+    step_rad, points = grid
     shown = np.round(shown_rad / step_rad).astype(np.intp)
     groups, index = np.unique(np.column_stack([points, shown]), axis=0, return_inverse=True)
     first_phase, phase = _phases(groups[:, 0], step_rad, grade_step)
@@ -119,10 +123,10 @@ def nearest_shown(
     shown_rad: (readings,) so far, which determine the treadmill's set points. If they do not, the
     result is wanted_rad itself.
     """
-    step_rad = shown_step_rad(shown_rad, sigma_rad) if len(shown_rad) else None
-    points = None if step_rad is None else set_points(shown_rad, step_rad, grade_step)
-    if step_rad is None or points is None:
+    grid = set_points(shown_rad, sigma_rad, grade_step)
+    if grid is None:
         return wanted_rad
+    step_rad, points = grid
     offsets = np.tan(shown_rad) - grade_step * points
     middle = float(offsets.max() + offsets.min()) / 2
     grade = grade_step * np.round((np.tan(wanted_rad) - middle) / grade_step)

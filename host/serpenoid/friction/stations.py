@@ -38,8 +38,6 @@ from .rounding import shared_rounding
 if TYPE_CHECKING:
     from .drift import Drift
 
-MIN_SIGMA_N = 1e-12  # Smallest sigma of a force, for readings without any error.
-
 
 @dataclass(frozen=True, eq=False)
 class Stations:
@@ -184,4 +182,4 @@ class Stations:
         excess_n = self.weight_n * np.sin(incline) - drag_n - dry
         spread_n = np.hypot(per_incline_n * self.incline_sigma_rad, self.inertia_sigma_n)
         spread_n = np.hypot(spread_n, belt * viscous * self.speed_sigma_m_s)
-        return excess_n, np.maximum(spread_n, MIN_SIGMA_N), per_incline_n
+        return excess_n, np.maximum(spread_n, 1e-12), per_incline_n

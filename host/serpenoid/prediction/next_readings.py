@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..friction.bends import resistance
-from ..friction.notes import SAFE_BEND_SIGMAS
+from ..friction.notes import LIMITS
 from ..friction.posterior import MapEstimate
 from ..friction.rounding import nearest_shown
 from ..session.push import WAYS, Push
@@ -88,7 +88,7 @@ def _stations(session: Session, estimate: MapEstimate) -> Candidates:
     for bend_rad in map(math.radians, GRID.bends_deg):
         is_near = abs(bend_rad - present_rad) < GRID.same_bend_sigmas * tools.lambda_sigma_rad
         angle = present_rad if present_rad and is_near else bend_rad
-        if 0.0 < angle <= SAFE_BEND_SIGMAS * tools.lambda_sigma_rad:
+        if 0.0 < angle <= LIMITS.safe_bend_sigmas * tools.lambda_sigma_rad:
             continue  # A smaller bend would bias cn.
         law = resistance(estimate.x[:4], bent_share(bend, setup.robot.links), angle)
         drag, dry_n = (float(part[0]) for part in law)

@@ -46,7 +46,7 @@ def forged(folder, spoil):
     ("spoil", "message"),
     [
         (lambda d: d.pop("covariance"), "'covariance' is missing"),
-        (lambda d: d.update(format=99), "format is 99.*install a newer one"),
+        (lambda d: d.update(format=99), "format is 99.*reads formats 2 to 3"),
         (lambda d: d.update(format=1), "format is 1.*writes it anew"),
         (lambda d: d["robot"].update(legs=4), "legs"),
         (lambda d: d["covariance"].update(values=[[1.0]]), "cannot reshape"),
