@@ -1,15 +1,15 @@
-"""Short readings: a robot watched for some seconds on the belt, while it still drifts.
+"""Short readings of a robot that still drifts on the belt, in which inertia counts.
 
 Its slip v obeys m_e v' = m g sin(gamma) - A v - B, of which rolling_law has the solution: with
-c = A / m_e and f = (B - m g sin(gamma)) / m_e the way is x0 + v0 t p(c t) - f t^2 q(c t). Nothing
-is differentiated: with c given the track's places are linear in x0, v0 and f, so that least squares
-tell f, whatever x0 and v0 are. What is left for the fit is one balance a reading,
+c = A / m_e and f = (B - m g sin(gamma)) / m_e the position is x0 + v0 t p(c t) - f t^2 q(c t). For
+a given c it is linear in x0, v0 and f, so that f follows by least squares, without derivatives of
+the track. For the fit remains one balance of forces for each reading,
 
     m g sin(gamma) = B - m_e f(A / m_e),
 
-which is that of a station, A v + B, where the robot holds: a steady slip v has f = -c v. So a
-place is counted from where the mean slip would be, and all that a short reading adds is the f of
-these small ways. Its error is that of places and times.
+which is that of a station, A v + B, if the slip is steady, with f = -c v. Positions are relative to
+motion at the mean slip, so that a short reading only adds the f of these small displacements. Its
+error comes from positions and times.
 """
 
 from __future__ import annotations
@@ -26,9 +26,11 @@ from .rolling_law import coefficients
 
 @dataclass(frozen=True, eq=False)
 class Drift:
-    """Places of one short reading: t_s (J,), and off_m (J,), downhill, from the mean slip.
+    """Positions of one short reading.
 
-    sigma_m: of a place, the error of its time in it. effective_kg: m_e, and its relative sigma.
+    t_s: (J,). off_m: displacement downhill from motion at the mean slip, (J,). sigma_m: sigma of a
+    position, which contains the error of its time. effective_kg, effective_sigma: m_e, and its
+    relative sigma.
     """
 
     t_s: Floats
@@ -38,19 +40,19 @@ class Drift:
     effective_sigma: float
 
     def force_n(self, viscous: Floats) -> Floats:
-        """Return m_e f, N, at each A (K,), N s/m."""
+        """Return m_e f, N, (K,), for viscous frictions A (K,), N s/m."""
         column = self._own_column(viscous / self.effective_kg)
         return self.effective_kg * (column @ self.off_m) / np.sum(column**2, axis=1)
 
     @property
     def force_sigma_n(self) -> float:
-        """Return the standard deviation of m_e f."""
+        """Return the sigma of m_e f, N."""
         level = np.zeros(1)
         by_places_n = self.effective_kg * self.sigma_m / np.linalg.norm(self._own_column(level))
         return float(np.hypot(by_places_n, self.force_n(level)[0] * self.effective_sigma))
 
     def _own_column(self, c: Floats) -> Floats:
-        """Return the column of f (K, J), orthogonal to those of x0 and v0."""
+        """Return the column of f, (K, J), made orthogonal to those of x0 and v0."""
         p, q = coefficients(c[:, None] * self.t_s)
         rolled = self.t_s * p
         braked = -(self.t_s**2) * q
@@ -61,7 +63,7 @@ class Drift:
 
 
 def drifts_of(session: Session) -> dict[int, Drift]:
-    """Return the short readings among a session's kept stations, by their index."""
+    """Return the drifts of short readings, index among the kept stations -> drift."""
     tools, robot = session.setup.instruments, session.setup.robot
     rolling, rolling_sigma = wheels_share(session)
     mass = robot.links * robot.link_mass_kg * (1.0 + rolling), rolling_sigma / (1.0 + rolling)
@@ -77,7 +79,7 @@ def drifts_of(session: Session) -> dict[int, Drift]:
 
 
 def wheels_share(session: Session) -> tuple[float, float]:
-    """Return J / r^2 of all wheels over the robot's mass, and its standard deviation."""
+    """Return J / r^2 of all wheels over the robot's mass, and its sigma."""
     wheels_kg = session.setup.robot_table.wheels_kg
     if wheels_kg is None:
         return 0.045, 0.03

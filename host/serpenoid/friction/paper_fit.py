@@ -1,4 +1,4 @@
-"""The paper's own fit: a line through the straight readings, Eq. 61, a line through the bent."""
+"""Fit as the paper does: a line through straight readings, and one, by Eq. 61, through bent."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def friction_points(session: Session, fit: FrictionFit) -> Lines:
 
 
 def point_errors(session: Session) -> Lines:
-    """Return part -> standard deviations of friction_points' speeds and forces, each alone."""
+    """Return part -> sigmas of the speeds and forces of friction_points."""
     data = Stations.from_session(session)
     by_speed, by_fn0 = _across(data)
     incline_sigma_rad = np.hypot(data.incline_sigma_rad, data.shared_sigma_rad)
@@ -36,10 +36,8 @@ def point_errors(session: Session) -> Lines:
 def points(data: Stations, values: Floats) -> Lines:
     """Return part -> (speeds, forces): Eq. 58 straight, Eq. 61 bent; m/s and N, whole snake.
 
-    Eq. 61 with a share of the links bent: what the straight ones and the tangential friction of
-    the bent ones take is taken off, and the rest is of the bent share.
-
-    values: the frictions, of which ct and ft0 are taken.
+    If a share of the links is bent, Eq. 61 subtracts the friction of the straight ones and the
+    tangential friction of the bent ones. values: the frictions, of which ct and ft0 are used.
     """
     pull_n = data.weight_n * np.sin(data.incline_rad) - data.inertia_n
     tangential = values * [name not in ("cn", "fn0") for name in FRICTIONS]
@@ -51,7 +49,7 @@ def points(data: Stations, values: Floats) -> Lines:
 
 
 def _across(data: Stations) -> tuple[Floats, Floats]:
-    """Return by what a bent reading's speed, and its force, count across the wheels; else 1."""
+    """Return factors (N,) of speed and force across the wheels, 1 for straight readings."""
     by_fn0 = projections(data.bends.share, data.lambda_rad)[3]
     return np.where(data.bent, np.sin(data.lambda_rad), 1.0), np.where(data.bent, by_fn0, 1.0)
 
@@ -66,7 +64,7 @@ def _line(x: Floats, y: Floats) -> tuple[Floats, Floats]:
 
 
 def two_lines(data: Stations) -> tuple[Floats, Floats]:
-    """Return the frictions as the paper found them, and their covariance."""
+    """Return the frictions (4,) by the paper's method, and their covariance (4, 4)."""
     values, covariance = np.zeros(len(FRICTIONS)), np.zeros((len(FRICTIONS),) * 2)
     along, across = [0, 2], [1, 3]
     values[along], covariance[np.ix_(along, along)] = _line(*points(data, values)["straight"])

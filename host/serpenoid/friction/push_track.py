@@ -1,9 +1,9 @@
-"""One push over time: where the law puts it, and what its places tell of that law.
+"""Residuals of one push, linearised, with its own parameters eliminated.
 
-A film tells a speed and a place at the start of its own; one of a robot without a straight link
-also how a hand let it go: some degrees crooked, and turning. Its places are linear in all of these
-near a point. With its own numbers eliminated two residuals remain, which say how far the common c
-and f are from those of the film; and a third where the robot slips, of the floor's pull across.
+A film has its own initial speed and position; for a robot without a straight link also the angle
+and the turning rate at the release. Positions are linearised in these. After their elimination two
+residuals remain, for the difference of the common c and f from those of the film, and a third for
+the floor's pull across if the robot slips.
 """
 
 from __future__ import annotations
@@ -19,13 +19,12 @@ from .rolling_law import integral, rolled_m, stop_point
 
 @dataclass(frozen=True, eq=False)
 class PushTrack:
-    """One push: the way along_m at times t_s, both from its first place.
+    """One push: the distance along_m at times t_s, both from its first position.
 
-    Of a push that is known by its rest alone that one way and time. sigma_m, sigma_s: of a place
-    and a time. heading_rad: of the path to the line of its floor, at each time. source: film or
-    rest.
-    slips: it has no straight link, and nothing guides it: then along_m is along its chord, whose
-    angle to the floor's line is chord_rad, and left_m to the left of it.
+    source: "film", or "rest" for a push with one distance and time to rest. sigma_m, sigma_s: of a
+    position and a time. heading_rad: angle of the path to the line of its floor at each time.
+    slips: whether the robot may slip sideways. along_m is then along the chord of its path, left_m
+    to the left of it, and chord_rad is the angle of the chord to the floor's line.
     """
 
     number: int
@@ -41,7 +40,7 @@ class PushTrack:
 
     @property
     def pushed_m_s(self) -> float:
-        """Return the speed at the start, m/s, roughly."""
+        """Return a rough initial speed, m/s."""
         if self.source == "rest":
             return 2.0 * float(self.along_m[0] / self.t_s[0])
         far_m = 0.98 * float(self.along_m[-1])
@@ -50,22 +49,22 @@ class PushTrack:
 
     @property
     def law_columns(self) -> list[int]:
-        """Return which numbers of the law it tells of, a residual each."""
+        """Return the indices of the law's parameters that it determines, one for each residual."""
         return {"rest": [0], "film": [0, 1, 3] if self.slips else [0, 1]}[self.source]
 
     @cached_property
     def place_sigma_m(self) -> Floats:
-        """Return the standard deviation of each place, the error of its time in it."""
+        """Return the sigma of each position, m, which contains the error of its time."""
         if self.source == "rest":
             return np.full(1, self.sigma_m)
         moving_m_s = np.maximum(np.gradient(self.along_m, self.t_s), 0.0)
         return np.hypot(self.sigma_m, moving_m_s * self.sigma_s)
 
     def residuals(self, numbers: Floats) -> Floats:
-        """Return how far the law is from a film's places, in sigmas, (K, rows).
+        """Return predicted less measured positions over their sigma, (K, rows).
 
-        numbers (K, start + 8): a push's start, then its law. The start is speed and place; of one
-        that slips, and the law, as `slipped_places` has them.
+        numbers: (K, start + 8), a push's start, then its law. The start is speed and position; with
+        slip, start and law are those of `slipped_places`.
         """
         start, law = numbers[:, :-8], numbers[:, -8:]
         if self.source == "rest":
@@ -86,7 +85,7 @@ class PushTrack:
         headings = np.stack([np.cos(self.heading_rad), np.sin(self.heading_rad)])
         mean = headings.mean(axis=1, keepdims=True)
         level = f - pull @ mean
-        # what a turning path feels of the slope but for that of its mean heading
+        # The change of the slope's pull along a turning path, relative to its mean heading.
         moving = np.minimum(self.t_s, stop_point(speed, c, level)[0])
         grown = np.exp(c * moving)
         faster = integral(grown * (pull @ (headings - mean)), moving) / grown
@@ -94,7 +93,7 @@ class PushTrack:
         return np.asarray((way - self.along_m) / self.place_sigma_m)
 
     def linear_about(self, law: Floats, nearby: LinearTrack | None = None) -> LinearTrack:
-        """Return what a film tells of the law near one (8,); near: what it told at another one."""
+        """Return the linearisation about a law (8,); nearby: one about another law, as a start."""
         if nearby is None:
             count = 6 if self.slips else len(self.law_columns)
             start = self.pushed_m_s * np.eye(1, count)[0]
@@ -119,9 +118,9 @@ class PushTrack:
 
 @dataclass(frozen=True, eq=False)
 class LinearTrack:
-    """Residuals of a film near a law (8,): offsets (rows,) at it, and their slopes (rows, 8).
+    """The residuals of a push near a law (8,): offsets (rows,) and slopes (rows, 8).
 
-    start: the push's own numbers there, and start_slopes (start, 8): how they follow the law.
+    start: the push's own parameters there. start_slopes: their derivatives by the law, (start, 8).
     """
 
     law: Floats

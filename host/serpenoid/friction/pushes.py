@@ -1,15 +1,15 @@
-"""Pushes along a floor: each rolls out, and tells the friction that brakes it.
+"""Residuals of pushes along a floor, in which friction brakes a rolling robot to a stop.
 
-A push obeys, while it moves, v' = -(c v + f) + a, with
+While it moves, a pushed robot obeys v' = -(c v + f) + a, with
 
     c = A / m_e,   f = B / m_e,   m_e = m (1 + rho k_t),
 
 A = ct k_t + cn k_n, B = ft0 k_f + fn0 (k_g + s): the same projections of the bend as a station's
-(`bends`), s the drag of links that stand off their path. rho is the wheels' J / r^2 over the mass
-m: wheels turn by the speed along their links alone, so that their share of the motion's energy is
-that of ct. A floor falls by s_along towards "there" and by s_across to the left of it: at an angle
-psi to the line of the pushes a = +- g m / m_e (s_along cos psi + s_across sin psi), and psi follows
-the track. A robot without a straight link slips, too (`slip`).
+(`bends`), and s is the drag of links at an angle to their path. rho is the wheels' J / r^2 over the
+mass m: wheels turn with the speed along their links only, so that their kinetic energy has the
+factor of ct. A floor falls by s_along towards "there" and by s_across to its left. At an angle psi
+to the line of the pushes, which follows the track, a = +- g m / m_e (s_along cos psi + s_across sin
+psi). A robot without a straight link slips too (`slip`).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from .push_track import LinearTrack, PushTrack
 
 WHEELS, SCALE = "wheels_turning_over_mass", "film_scale"
 SLOPES = ("floor_slope_rad", "floor_slope_across_rad")
-# A path further off the line of its floor was filmed by a camera that somebody turned.
+# Largest angle of a path to the line of its floor; beyond it the camera was turned.
 MAX_CROOKED_RAD = math.radians(25.0)
 
 
@@ -39,8 +39,9 @@ MAX_CROOKED_RAD = math.radians(25.0)
 class Pushes:
     """The kept pushes of a session.
 
-    sign: +1 there, -1 back. place: which of the places. wheels: their J / r^2 over the mass, mean
-    and standard deviation. linear: what each tells near a point.
+    sign: +1 there, -1 back, (N,). place: index of each push's place, (N,). wheels: their J / r^2
+    over the mass, mean and sigma. slope_sigma_rad, scale_sigma: prior sigmas of a floor's slopes
+    and of the scale of films. linear: the linearisation of each push about a point.
     """
 
     on_belt = False
@@ -59,7 +60,7 @@ class Pushes:
 
     @classmethod
     def from_session(cls, session: Session, slipping: bool = True) -> Pushes:
-        """Take a session's kept pushes; slipping: as for `posterior_of`."""
+        """Return the kept pushes of a session; slipping: as for `posterior_of`."""
         pushes, setup = session.kept_pushes, session.setup
         places = sorted({push.place for push in pushes})
         links, instruments = setup.robot.links, setup.instruments
@@ -89,22 +90,22 @@ class Pushes:
 
     @property
     def slips(self) -> bool:
-        """Tell whether a robot without a straight link was pushed."""
+        """Return whether a robot without a straight link was pushed."""
         return any(track.slips for track in self.tracks)
 
     @property
     def fastest_m_s(self) -> float:
-        """Return the largest speed at the start of a push."""
+        """Return the largest initial speed of a push, m/s."""
         return max(track.pushed_m_s for track in self.tracks)
 
     @property
     def is_film(self) -> Rows:
-        """Tell which are films."""
+        """Return whether each push was filmed, (N,)."""
         return np.array([track.source == "film" for track in self.tracks])
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Return the frictions, then what the pushes share."""
+        """Return the parameters: the frictions, then the errors that pushes share."""
         shared = [Parameter(n, sigma=self.slope_sigma_rad) for n in sum(self._slope_names, ())]
         if self.is_film.any() and self.scale_sigma > 0.0:
             shared.append(Parameter(SCALE, 1.0, self.scale_sigma))
@@ -114,20 +115,20 @@ class Pushes:
 
     @property
     def _slope_names(self) -> list[tuple[str, ...]]:
-        """Return for each place the names of its slopes along and across."""
+        """Return for each place the names of its slopes, along and across."""
         ends = ["_" + place if place else "" for place in self.places]
         return [tuple(name + end for name in SLOPES) for end in ends]
 
     @property
     def numbers(self) -> Integers:
-        """Return the push that each residual belongs to."""
+        """Return the number of the push of each residual, (rows,)."""
         rows = [len(track.law_columns) for track in self.tracks]
         return np.repeat(np.array([t.number for t in self.tracks], dtype=np.intp), rows)
 
     def laws(self, values: Values) -> Floats:
-        """Return of each push c, f, the floor's pull, and the numbers of its slip, (K, N, 8).
+        """Return for each push c, f, the floor's pull, and the numbers of its slip, (K, N, 8).
 
-        In the lengths as filmed. The pull helps where it is above 0.
+        Lengths are as filmed. A positive pull accelerates the robot.
         """
         angles, share = self.bends.angles_rad(values), self.bends.share
         c, f, inert = self._motion(values, share, angles)
@@ -148,7 +149,7 @@ class Pushes:
     ) -> tuple[Floats, Floats, Floats]:
         """Return c and f on level ground, and m / m_e, each (K, N), in lengths as filmed.
 
-        share: of the links that stand at these angles to the way.
+        share: share of the links that are at these angles to the path.
         """
         frictions, astray = frictions_in(values), self.bends.astray_rad(values)
         viscous, dry = resistance(frictions, share, angles, astray)
@@ -160,7 +161,7 @@ class Pushes:
         return viscous / mass, dry / mass * scale, scale / inert * np.ones_like(viscous)
 
     def residuals(self, values: Values) -> Floats:
-        """Return the residuals (K, rows), linear about a point."""
+        """Return the linearised residuals (K, rows)."""
         which, law, offsets, slopes = self._linear_rows
         changes = self.laws(values)[:, which] - law
         return np.asarray(offsets + np.einsum("krl,rl->kr", changes, slopes))
@@ -173,7 +174,7 @@ class Pushes:
 
     @cached_property
     def _linear_rows(self) -> tuple[Integers, Floats, Floats, Floats]:
-        """Return of each residual its push, and the law, offset and slopes of that."""
+        """Return for each residual the index of its push, with law, offset and slopes."""
         which = np.repeat(np.arange(len(self.linear)), [len(t.offsets) for t in self.linear])
         offsets, slopes = (
             np.concatenate([getattr(track, name) for track in self.linear])
@@ -182,14 +183,14 @@ class Pushes:
         return which, np.stack([track.law for track in self.linear])[which], offsets, slopes
 
     def linear_about(self, values: Values) -> Pushes:
-        """Return the pushes linear about values (1,)."""
+        """Return the pushes, linearised about parameter values (1,)."""
         nearby = self.linear or len(self.tracks) * (None,)
         parts = zip(self.tracks, self.laws(values)[0], nearby, strict=True)
         return replace(self, linear=tuple(t.linear_about(law, origin) for t, law, origin in parts))
 
 
 def _track(push: Push, time_sigma_s: float, slipping: bool) -> PushTrack:
-    """Return a push as the fit takes it, its directions in the picture."""
+    """Return the track of a push, with directions relative to the picture."""
     if push.track is None:
         sigma_s = time_sigma_s if push.time_sigma_s is None else push.time_sigma_s
         t, x = np.array([push.duration_s]), np.array([push.distance_m])
@@ -206,14 +207,14 @@ def _track(push: Push, time_sigma_s: float, slipping: bool) -> PushTrack:
 
 
 def _line_rad(direction_rad: Floats) -> float:
-    """Return the direction of the line that films at one place follow, there or back."""
+    """Return the mean direction of paths at one place, there or back, rad."""
     return 0.5 * math.atan2(np.sin(2 * direction_rad).sum(), np.cos(2 * direction_rad).sum())
 
 
 def _turned(track: PushTrack, line_rad: float) -> PushTrack:
-    """Return a film with its directions to the line of its floor.
+    """Return a track with its directions relative to the line of its floor.
 
-    A line has no sense: paths there and back along it are both at 0.
+    Paths there and back along the line are both at 0.
     """
     mean = float(track.heading_rad.mean())
     off_line = (mean - line_rad + math.pi / 2) % math.pi - math.pi / 2
