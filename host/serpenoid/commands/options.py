@@ -278,7 +278,7 @@ def show_json(values: Values, path: Path | None = None) -> None:
 
 
 def warn_of_two_motions(state: sn.Steady) -> sn.Steady:
-    """Return the state with its `from_rest`; warn if that is another motion than the reported."""
+    """Return the state with its `from_rest`; warn if the gait has two stable motions."""
     from ..simulation.from_rest import from_rest, two_motions_text
 
     state = replace(state, from_rest=busy("starting from rest", lambda _: from_rest(state)))

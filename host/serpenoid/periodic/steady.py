@@ -35,7 +35,7 @@ class Motion:
 
 @dataclass(frozen=True, slots=True)
 class FromRest:
-    """Hold whether a start from rest ends in the reported state, and the motion if not."""
+    """Hold whether a start from rest ends in the reported state, and another stable motion."""
 
     reaches_reported: bool
     other: Motion | None
@@ -86,8 +86,8 @@ class Steady(Plottable):
     sensitivities
         Per cents of speed for 1 % of seven numbers, where they were asked for.
     from_rest
-        Whether a start from rest ends in this state (`reaches_reported`), and the `other` motion
-        where it does not; None where that was not asked for, or not known.
+        Whether a start from rest ends in this state (`reaches_reported`), and the `other`
+        motion if the gait has two; None where that was not asked for, or not known.
 
     Notes
     -----

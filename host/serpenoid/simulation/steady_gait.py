@@ -72,8 +72,8 @@ def steady_gait(
         Whether to compute by how many per cent the speed changes for 1 % of mass, length,
         amplitude, lag, rate and both frictions, with ideal joints.
     from_rest : bool
-        Whether to simulate a start from rest for the state's `from_rest`. It takes two seconds at
-        most.
+        Whether to simulate starts from rest, and on viscous ground of low friction other starts
+        too, for the state's `from_rest`. It takes two seconds at most.
 
     Returns
     -------

@@ -56,7 +56,7 @@ def test_two_periodic_motions_are_named() -> None:
     gait = "--alpha-deg 58.648886 --beta-deg 101.254553 --omega-rad-s 1.275745 --servo ideal"
     typed = " ".join(f"--set {one}" for one in f"{body} {ground}".split())
     told = serpenoid(f"steady {gait} {typed}", check=True).stderr
-    assert "from rest ends in the other, which turns -1.36 deg and goes 0.0403 m a cycle" in told
+    assert "the other turns -1.36 deg and goes 0.0403 m a cycle; from rest the robot ends" in told
 
 
 def test_steady_warns_at_a_sharp_drop_of_speed() -> None:
