@@ -44,15 +44,11 @@ def run(path: Path) -> None:
 
 def accuracy(path: Path) -> None:
     """Draw the measurement that stands in accuracy.csv; `serpenoid bench` measures."""
-    work_precision_figure(measured_rows(), path)
-
-
-def measured_rows() -> list[Row]:
-    """Return the rows of accuracy.csv."""
-    _, *lines = csv_rows(read_text(STORED / "accuracy.csv"))
-    numbers = [[float(cell or "nan") for cell in line[3:6]] for line in lines]
-    pairs = zip(lines, numbers, strict=True)
-    return [Row(*line[:3], *values, *line[6:]) for line, values in pairs]  # type: ignore[arg-type]
+    rows = []
+    for line in csv_rows(read_text(STORED / "accuracy.csv"))[1:]:
+        numbers = [float(cell or "nan") for cell in line[3:6]]
+        rows.append(Row(*line[:3], *numbers, *line[6:]))  # type: ignore[arg-type]
+    work_precision_figure(rows, path)
 
 
 def stability(path: Path) -> None:

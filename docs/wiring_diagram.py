@@ -98,6 +98,11 @@ def servos(y_board: float) -> str:
     return "".join(parts)
 
 
+def usb(y: float) -> str:
+    """Return the cable to the computer."""
+    return wire(BLACK, (530, y), (WIDTH, y), width=5) + text(552, y - 8, "USB")
+
+
 def on_pins() -> str:
     """Return the board that gives the signals, with a resistor in each signal wire."""
     parts = [
@@ -107,8 +112,7 @@ def on_pins() -> str:
     for number in range(1, 6):
         x = servo_x(number) - 22
         parts += [box(x - 20, 412, 40, 40, "330", "Ω"), text(x, 508, str(4 + number))]
-    usb = [wire(BLACK, (530, 540), (WIDTH, 540), width=5), text(552, 532, "USB")]
-    return "".join([*parts, text(MINUS[0], 508, "GND"), *usb])
+    return "".join([*parts, text(MINUS[0], 508, "GND"), usb(540)])
 
 
 def on_driver() -> str:
@@ -129,8 +133,7 @@ def on_driver() -> str:
         parts += [wire(colour, (x, 514), (x, 590)), text(x, 508, above), text(x, 608, below)]
     pull_up = [wire(BLUE, (100, 552), (190, 552)), dot((100, 552), RED), dot((190, 552), BLUE)]
     board = box(30, 590, 500, 60, "", "Uno or Nano")
-    usb = [wire(BLACK, (530, 630), (WIDTH, 630), width=5), text(552, 622, "USB")]
-    return "".join([*pull_up, box(125, 540, 40, 24, "1k"), board, *parts, *usb])
+    return "".join([*pull_up, box(125, 540, 40, 24, "1k"), board, *parts, usb(630)])
 
 
 def draw(path: Path, board: str, height: int, top_of_board: int) -> None:

@@ -1,4 +1,4 @@
-"""Write readings.csv anew from the two lines that the 2005 paper published (its points are lost).
+"""Compute readings.csv from the two lines that the 2005 paper published (its points are lost).
 
 Run `python calibration_data/nirakh-2005/regenerate.py` to see the rows, with `> readings.csv` to
 keep them. Straight, Eq. 58 with the line of Eq. 59 gives the belt speed at which the snake holds
@@ -30,30 +30,30 @@ def belt_speed_m_s(weight_n: float, incline_rad: float, lambda_rad: float) -> fl
 
 
 def rows(setup: Setup) -> list[dict[str, str]]:
-    """Return one row a station, inclines rising until the belt would pass its top speed."""
-    found: list[dict[str, str]] = []
-    how = setup.plan
-    for lambda_rad in map(math.radians, how.lambda_deg):
+    """Return one row for each station, with rising inclines up to the top speed of the belt."""
+    readings: list[dict[str, str]] = []
+    plan = setup.plan
+    for lambda_rad in map(math.radians, plan.lambda_deg):
         law = "Eqs. 59 and 62 through Eq. 60" if lambda_rad else "Eq. 59 through Eq. 58"
         for step in count():
-            incline_deg = how.incline_start_deg + step * how.incline_step_deg
-            # The incline as it is written down is the one that the speed must belong to.
+            incline_deg = plan.incline_start_deg + step * plan.incline_step_deg
+            # The speed belongs to the rounded incline, which is the one in the file.
             incline_deg = round(incline_deg, 3)
             speed_m_s = belt_speed_m_s(setup.weight_n, math.radians(incline_deg), lambda_rad)
-            if speed_m_s > how.belt_speed_max_m_s:
+            if speed_m_s > plan.belt_speed_max_m_s:
                 break
             if speed_m_s <= 0.0:
-                continue  # the wheels stick: there is no speed to read yet
+                continue  # the wheels stick
             station = {
                 "lambda_deg": str(round(math.degrees(lambda_rad), 3)),
                 "incline_deg": str(incline_deg),
                 "belt_speed_m_s": f"{speed_m_s:.6f}",
                 "drift_m_s": "0.0",
             }
-            number = str(len(found) + 1)
-            common = {"reading": number, "setup": "1", "comment": f"regenerated from {law}"}
-            found.append(reading_row("station", station) | common)
-    return found
+            common = {"setup": "1", "comment": f"regenerated from {law}"}
+            common["reading"] = str(len(readings) + 1)
+            readings.append(reading_row("station", station) | common)
+    return readings
 
 
 def text() -> str:
