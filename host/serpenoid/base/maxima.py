@@ -1,4 +1,4 @@
-"""Maxima of a posterior whose parameters have a standard normal prior, and samples about them."""
+"""Maxima of a posterior density whose parameters have standard normal priors."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ Residuals = Callable[[Floats], Floats]
 class Maximum(NamedTuple):
     """A maximum of the posterior's density.
 
-    x (P,): the parameters; root (P, P): of the covariance of the normal distribution that touches
-    the density there; log_density: but for a constant of the posterior.
+    x: (P,), the parameters. root: (P, P), root of the covariance of the normal approximation there.
+    log_density: up to a constant of the posterior.
     """
 
     x: Floats
@@ -25,17 +25,17 @@ class Maximum(NamedTuple):
 
     @property
     def log_mass(self) -> float:
-        """Return the logarithm of the mass about it, if it is normal there."""
+        """Return the logarithm of the probability about it, in the normal approximation."""
         return self.log_density + float(np.linalg.slogdet(self.root)[1])
 
     @property
     def determined(self) -> float:
-        """Return how many parameters the readings determine."""
+        """Return the effective number of parameters that the readings determine."""
         return self.x.size - float(np.sum(self.root**2))
 
 
 def log_density(residuals: Residuals, x: Floats) -> Floats:
-    """Return (K,) logarithms of the posterior's density at x (K, P), but for a constant."""
+    """Return the log density (K,) of the posterior at x (K, P), up to a constant."""
     return -0.5 * (np.sum(residuals(x) ** 2, axis=1) + np.sum(x**2, axis=1))
 
 
@@ -49,10 +49,10 @@ def maxima(
 ) -> list[Maximum]:
     """Return the maxima that least squares reach from starts (S, P), the highest first.
 
-    residuals: of parameters (K, P), the differences (K, T) to the readings over their noise. step:
-    of central differences, and same_distance of two maxima that are one and the same, in standard
-    deviations of the prior. Maxima lower than the highest by more than log_density_range are left
-    out.
+    residuals: function of parameters (K, P) that returns differences (K, T) from the readings over
+    their noise. step: step of central differences. same_distance: largest distance of results that
+    are one maximum. Both are in sigmas of the prior. Maxima lower than the highest by more than
+    log_density_range are left out.
     """
     from scipy.optimize import least_squares
 

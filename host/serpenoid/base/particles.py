@@ -1,4 +1,4 @@
-"""Samples of densities: weighted points about a mode, and particles that explore any shape."""
+"""Sample densities: weighted points about a mode, and an ensemble for any shape."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ def points_about(
 ) -> tuple[Floats, Floats]:
     """Return random points (count, D) about a mode (D,), and the logarithms of their density.
 
-    They are of Student's distribution of so much freedom, with a lower root (D, D) times width.
-    normal: how
-    many of the last coordinates are normal given the first: whole tails in many dimensions would be
-    tails far out. The logarithms (count,) are but for a constant.
+    They have Student's t distribution with `freedom` degrees of freedom; its scale is a lower root
+    (D, D) of a covariance, times width.
+    normal: number of last coordinates that are normal given the first ones, since heavy tails in
+    many dimensions would put all points far out. The logarithms (count,) lack a constant.
     """
     size = len(mode) - normal
     unit = rng.standard_normal((count, len(mode)))
@@ -49,9 +49,9 @@ def explored(
 ) -> Floats:
     """Return sets of samples (sets, N, D) of a density, from equally spaced late moves.
 
-    x (N, D): where they begin, about the maxima. Each sample moves by the difference of two others
-    in all of its parameters or in some (differential evolution with crossover, Vrugt 2009). The
-    first follows a narrow ridge, the second widens parameters that the density hardly limits.
+    x: (N, D), start of the ensemble, about the maxima. Each sample moves by the difference of two
+    others in all parameters, which follows narrow ridges, or in some, which widens parameters that
+    the density hardly limits (differential evolution with crossover, Vrugt 2009).
     jitter: scatter added to a move, in standard deviations of the samples. crossovers: shares of
     the parameters that a move changes. jump_share: share of moves by the whole difference, from one
     maximum to another.

@@ -20,7 +20,7 @@ def basis(t_s: Array, omega: float, harmonics: int = HARMONICS) -> Array:
 
 
 def basis_by_rate(t_s: Array, columns: Array) -> Array:
-    """Return a basis' derivative by the rate; columns: the basis."""
+    """Return the derivative of a basis by the rate; columns: the basis."""
     slope = np.zeros_like(columns)
     lever = t_s[:, None] * np.arange(1, columns.shape[1] // 2 + 1)
     slope[:, 1::2], slope[:, 2::2] = -lever * columns[:, 2::2], lever * columns[:, 1::2]
@@ -28,13 +28,13 @@ def basis_by_rate(t_s: Array, columns: Array) -> Array:
 
 
 def weighted(columns: Array, values: Array, weight: Array) -> Array:
-    """Return least-squares coefficients, each column of values with its own weights.
+    """Return least-squares coefficients of each column of values with its weights.
 
-    columns: a basis, and others behind it; its overtones are held at 0.
+    columns: a basis, and further columns after it; its overtones are weakly held at 0.
     """
     normal = columns.T @ (weight.T[..., None] * columns)
     hold = np.full(columns.shape[1], 1e-9)
-    # A sample weighs 1; overtones are held at 0 where part of a cycle is never seen.
+    # A sample has weight 1. Overtones are determined even if part of a cycle is never seen.
     hold[3 : 1 + 2 * HARMONICS] = 2.5e-3
     right = columns.T @ (weight * values)
     return np.linalg.solve(normal + np.diag(hold), right.T[..., None])[..., 0].T

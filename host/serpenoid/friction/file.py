@@ -105,18 +105,18 @@ def load_fit(path: str | Path) -> FrictionFit:
 
 
 def rests_on(fit: FrictionFit, session: Session) -> bool:
-    """Return whether a fit is that of a session as it is now."""
+    """Return whether a fit is of the present readings of a session."""
     return session.sha256 == fit.session_sha256
 
 
 def hash_of(values: Mapping[str, Any]) -> str:
-    """Return the SHA-256 of a fit's own numbers and texts."""
+    """Return the SHA-256 of a fit's values."""
     text = json.dumps(values, sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _check(content: Mapping[str, Any]) -> None:
-    """Raise BadInput where the file is of another format, or not as a fit wrote it."""
+    """Raise BadInput if the file has another format, or was edited."""
     written = check_number("format", content["format"])
     if not OLDEST <= written <= FORMAT:
         raise BadInput(f"format is {written}; this version reads formats {OLDEST} to {FORMAT}")
@@ -127,13 +127,13 @@ def _check(content: Mapping[str, Any]) -> None:
 
 
 def _with_age(fit: FrictionFit, path: Path) -> FrictionFit:
-    """Raise the alarm if the readings beside the file are no longer those it was fitted to."""
+    """Return the fit, with an alarm if the readings beside the file have changed since."""
     from ..session.folder import load_session
 
     folder = path.parent
     if not (folder / "session.toml").exists():
         return fit
-    with suppress(BadInput):  # readings that cannot be read are others, too
+    with suppress(BadInput):  # Readings that cannot be read count as changed.
         if rests_on(fit, load_session(folder)):
             return fit
     alarm = f"{path} is older than the readings beside it: run `serpenoid fit {folder}` again."

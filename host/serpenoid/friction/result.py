@@ -1,4 +1,4 @@
-"""What a friction fit gives back: values, intervals, covariance, and what to know about them."""
+"""The result of a friction fit: values, intervals, covariance, samples, and notes."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ METHODS = "joint", "naive"
 WHOLE_SUFFIX = "_whole"
 NOT_WEIGHED = "The robot was not weighed"
 NO_ZERO = "The inclinometer's zero was not measured"
-DOUBTFUL = 0.01  # p-value below which the stated uncertainties and the readings do not agree
+DOUBTFUL = 0.01  # p-value below which readings contradict the stated uncertainties.
 KEPT_SAMPLES = 256
 
 
 def ground_of(links: int, frictions: Sequence[float]) -> Ground:
-    """Return ground per link from the whole snake's frictions, in the order of FRICTIONS."""
+    """Return the ground on a link from the whole snake's frictions, in the order of FRICTIONS."""
     return Ground.whole_body(links, *frictions)
 
 
@@ -42,10 +42,10 @@ class Estimate(NamedTuple):
 
 @dataclass(frozen=True)
 class Influence:
-    """What one reading does to a fit, told by a fit without it.
+    """The influence of one reading on a fit.
 
-    reading: its number. chi2_without: chi2 of that fit, and shift_in_sigmas: how its frictions
-    differ, in standard deviations; both None where the others leave a friction open.
+    reading: its number. chi2_without, shift_in_sigmas: chi2 of the fit without it, and the
+    difference of its frictions in standard deviations; None if the others do not determine them.
     """
 
     reading: int
@@ -54,15 +54,15 @@ class Influence:
 
 
 class WholeSnake(dict[str, T]):
-    """Map ct_whole, cn_whole, ft0_whole, fn0_whole to what is known of them, whole snake.
+    """Map from ct_whole, cn_whole, ft0_whole, fn0_whole, of the whole snake, to values.
 
-    It has these names, so that none is mistaken for `ground`'s per-link values; the short ones (ct,
-    cn, ft0, fn0), whole snake too, still find their value.
+    The names differ from those of `ground`, whose values are per link. The short names (ct, cn,
+    ft0, fn0) give the same values.
     """
 
     @classmethod
     def from_values(cls, values: Iterable[T]) -> Mapping[str, T]:
-        """Return a map of values in the order of FRICTIONS, which nobody changes."""
+        """Return a read-only map of values in the order of FRICTIONS."""
         return MappingProxyType(
             cls(zip((n + WHOLE_SUFFIX for n in FRICTIONS), values, strict=True))
         )
@@ -75,7 +75,7 @@ class WholeSnake(dict[str, T]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrictionFit(Plottable):
-    """Hold the friction fitted to one session; print() gives a report of it.
+    """The friction fitted to one session; print() shows a report.
 
     Attributes
     ----------
@@ -144,7 +144,7 @@ class FrictionFit(Plottable):
 
     @property
     def sigma(self) -> str:
-        """Return "absolute": from the instruments, or "rescaled": from the scatter (naive)."""
+        """Return how sigma was found: "absolute", or "rescaled" by the scatter (naive)."""
         return "rescaled" if self.method == "naive" else "absolute"
 
     @property
@@ -155,17 +155,17 @@ class FrictionFit(Plottable):
 
     @property
     def intervals(self) -> Mapping[str, tuple[float, float]]:
-        """Return name -> (low, high) at 95 %."""
+        """Return name -> (low, high), the 95 % interval, in the units of parameters."""
         return WholeSnake.from_values((low, high) for low, high in self.ends.tolist())
 
     @property
     def ground(self) -> Ground:
-        """Return the fitted friction per link, as simulations take it."""
+        """Return the fitted friction on a link, for simulations."""
         return ground_of(self.robot.links, self.values.tolist())
 
     @property
     def unmeasured(self) -> list[str]:
-        """Return the notes on what nobody measured: every prediction rests on its prior."""
+        """Return the notes on quantities that were not measured and keep their prior."""
         return [note for note in self.notes if note.startswith((NOT_WEIGHED, NO_ZERO, NO_BELT))]
 
     @property
@@ -174,12 +174,13 @@ class FrictionFit(Plottable):
         return dict(zip(FRICTIONS, self.values.tolist(), strict=True))
 
     def sample_whole(self, count: int = 64, seed: int = 2005) -> Floats:
-        """Return samples of the whole snake's frictions that the readings allow, never below 0.
+        """Return samples of the whole snake's frictions from the posterior, never below 0.
 
         Parameters
         ----------
         count, seed
-            Number of samples, and the seed. One is drawn in each of so many parts of the fit's.
+            Number of samples, and the seed. The fit's samples are divided into as many parts, and
+            one is picked from each.
 
         Returns
         -------
@@ -192,7 +193,7 @@ class FrictionFit(Plottable):
         return self.samples[rng.permutation(places.astype(np.intp))]
 
     def sample(self, count: int = 64, seed: int = 2005) -> tuple[Ground, ...]:
-        """Return samples of friction per link that the readings allow, as simulations take them.
+        """Return samples of the friction on a link from the posterior, for simulations.
 
         Parameters
         ----------
@@ -231,19 +232,19 @@ class FrictionFit(Plottable):
 
     @property
     def chi2_in_words(self) -> str:
-        """Return chi2, its degrees of freedom and its chance."""
+        """Return chi2, its degrees of freedom and its p-value in words."""
         chance = "" if self.p_value is None else f" (p = {self.p_value:.2g})"
         return f"chi2 = {self.chi2:.3g} for {self.dof} degrees of freedom{chance}"
 
     @property
     def p_value(self) -> float | None:
-        """Return p_value, the chance of so large a chi2 if model and uncertainties hold."""
+        """Return the probability of so large a chi2 if model and uncertainties hold."""
         from scipy.special import chdtrc
 
         return float(chdtrc(self.dof, self.chi2)) if self.dof > 0 else None
 
     def rows(self) -> list[Row]:
-        """Return a table's lines, one a parameter of the whole snake."""
+        """Return a row for each parameter of the whole snake."""
         return [
             Row(name, UNITS[name.removesuffix(WHOLE_SUFFIX)], value, *self.intervals[name], sigma)
             for name, (value, sigma) in self.parameters.items()
@@ -284,7 +285,7 @@ class FrictionFit(Plottable):
 
     @classmethod
     def from_dict(cls, content: Mapping[str, Any]) -> FrictionFit:
-        """Return the fit that `to_dict` gave; files of format 2 have more draws."""
+        """Return the fit of a dict from `to_dict`; in format 2 samples have more columns."""
         parts = content["parameters"].values()
         nuisances = {name: Estimate(**part) for name, part in content["nuisances"].items()}
         without = ("reading", "chi2_without", "shift_in_sigmas")
@@ -303,15 +304,15 @@ class FrictionFit(Plottable):
 
 
 def narrowest(x: Floats, weight: Floats, value: float) -> tuple[float, float]:
-    """Return the narrowest interval that holds LEVEL of weighted samples (N,), and value.
+    """Return the narrowest interval that contains LEVEL of weighted samples (N,), and value.
 
-    It ends at 0 where a friction of 0 is as likely as any other; one that cut off the same share at
-    either end would never hold it. A parabola through the widths finds the least one, for random
-    samples move each of them.
+    It begins at 0 if 0 is as likely as other values; an interval with equal tails would never
+    contain 0. The smallest width is that of a parabola through the widths, because single widths
+    scatter with the samples.
     """
     order = np.argsort(x)
     share = np.cumsum(weight[order]) - weight[order] / 2
-    tails = np.linspace(0.1, 0.9, 33) * (1.0 - LEVEL)  # shares below the interval
+    tails = np.linspace(0.1, 0.9, 33) * (1.0 - LEVEL)  # Shares below the interval.
     low, high = (np.interp(tails + more, share, x[order]) for more in (0.0, LEVEL))
     curve, slope, _ = np.polyfit(tails, high - low, 2)
     tail = float(np.clip(-slope / (2.0 * curve), 0.0, tails[-1])) if curve > 0.0 else 0.0
@@ -321,11 +322,11 @@ def narrowest(x: Floats, weight: Floats, value: float) -> tuple[float, float]:
 
 
 def spread_samples(x: Floats, weight: Floats, seed: int) -> Floats:
-    """Return KEPT_SAMPLES of weighted samples (N, P), each as likely as any other.
+    """Return KEPT_SAMPLES equally likely samples of weighted samples (N, P).
 
-    Samples are halved by weight along one axis, each half along the next, and so on; in this order
-    they are resampled systematically. So the kept ones scatter less than as many that are drawn
-    independently, and so do some of them that are picked one in each of as many parts.
+    Samples are halved by weight along one axis, each half along the next, and so on. In this order
+    they are resampled systematically. So means of the kept samples, and of evenly picked ones of
+    them, scatter less than those of independent samples.
     """
     parts, axis = [np.flatnonzero(weight)], 0
     while len(parts) < KEPT_SAMPLES:

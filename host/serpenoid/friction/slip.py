@@ -1,16 +1,16 @@
-"""How a robot without a straight link slips sideways: by a floor that falls, or a crooked start.
+"""Motion of a robot that slips sideways, by the slope of the floor or a crooked release.
 
-All its links stand at +-lambda to its axis, as many to either side. While it rolls fast, half of
-the wheels slip to the left and half to the right, so that dry friction has no part across the axis
-and no moment. Viscous friction has both. With speed v along the axis, w across it and turning rate
-r, and with a the floor's pull across,
+The robot has no straight link: its links are at +-lambda to its axis, half of them to either side.
+While it rolls fast, half of the wheels slip to the left and half to the right, so that dry friction
+has no component across the axis and no moment. Viscous friction has both. With speed v along the
+axis, w across it, turning rate r, and the floor's pull a across,
 
     w' = a - c w - r v,    r' = -c r,    v' = -(c_along v + f) + r w,
 
-since n equal links spread along the axis resist a turn, over their moment of inertia, as they
-resist the slip, over their mass (but for the links' own inertia: 2 % with 8 links, 9 % with 4).
-When v has fallen to |w| / tan(lambda), half of the wheels slip no longer. From then on the robot
-rolls along these without turning, and is braked as one whose other half is bent by twice lambda.
+since the damping of a turn over the moment of inertia equals that of the slip over the mass for n
+links along the axis (up to the links' own inertia: 2 % with 8 links, 9 % with 4). When v has fallen
+to |w| / tan(lambda), half of the wheels stop slipping. From then on the robot rolls along these
+without turning, and is braked like one whose other half is bent by twice lambda.
 """
 
 from __future__ import annotations
@@ -29,23 +29,23 @@ CROOKED_RAD, TURNING_RAD_S = math.radians(2.0), math.radians(4.0)
 
 
 def slipped_places(t_s: Floats, chord_rad: float, start: Floats, law: Floats) -> Floats:
-    """Return places (K, 2, T) along a push's chord and to the left of it, m, at times (T,).
+    """Return positions (K, 2, T) along a push's chord and to the left of it, m, at times (T,).
 
-    chord_rad: of the chord to the line of the floor. start (K, 6): speed, place along and across,
-    the axis's angle to the chord, and slip and turning in standard deviations of how hands let go.
-    law (K, 8): c and f along the axis on level ground, the floor's pull along its line and to the
-    left, the links' angle to the axis, c of the slip, and c and f of the end.
+    chord_rad: angle of the chord to the line of the floor. start: (K, 6), speed, position along and
+    across, angle of the axis to the chord, and slip and turning at the release, in their sigmas.
+    law: (K, 8), c and f along the axis on level ground, the floor's pull along its line and to the
+    left, the links' angle to the axis, c of the slip, and c and f after the slip has ended.
     """
     speed, x0, y0, axis_rad, crooked, turning = start.T[..., None]
     c, f, pull_along, pull_left, angle_rad, c_across, c_end, f_end = law.T[..., None]
 
     def pull(heading_rad: Floats) -> tuple[Floats, Floats]:
-        """Return the floor's pull ahead and to the left of a heading."""
+        """Return the floor's pull ahead and to the left of a heading, m/s^2."""
         cos, sin = np.cos(chord_rad + heading_rad), np.sin(chord_rad + heading_rad)
         return pull_along * cos + pull_left * sin, pull_left * cos - pull_along * sin
 
     def slowed(first: Floats, braking: Floats, push: Floats) -> Floats:
-        """Return a speed that viscous friction and an acceleration change."""
+        """Return the speed from an initial one, viscous braking and an acceleration."""
         grown = np.exp(braking * t)
         return (first + integral(grown * push, t)) / grown
 
