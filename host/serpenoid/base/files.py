@@ -45,8 +45,7 @@ def read_bytes(path: Path, most_bytes: int = MOST_BYTES) -> bytes:
     """Return the bytes of a regular file; raises BadInput."""
     check_file(path, most_bytes)
     try:
-        with path.open("rb") as file:
-            return file.read(most_bytes)
+        return path.read_bytes()
     except OSError as error:
         raise BadInput(f"{path}: {error.strerror or error}") from error
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import math
 import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
@@ -107,18 +108,20 @@ class Table:
         with located(self.where(name)):
             return check_whole(name, self.values.get(name), 1)
 
-    def number(self, name: str, *limits: float, open_low: bool = False) -> float:
+    def number(self, name: str, low: float = -math.inf, high: float = math.inf) -> float:
         """Return a finite number between the limits."""
         with located(self.where(name)):
-            return check_number(name, self.values[name], *limits, open_low=open_low)
+            return check_number(name, self.values[name], low, high)
 
-    def numbers(self, name: str, *limits: float) -> tuple[float, ...]:
+    def numbers(
+        self, name: str, low: float = -math.inf, high: float = math.inf
+    ) -> tuple[float, ...]:
         """Return a list of one or more finite numbers between the limits."""
         values = self.values[name]
         with located(self.where(name)):
             if not isinstance(values, list) or not values:
                 raise BadInput(f"{name} is {values!r}; it must be a list of numbers")
-            return tuple(check_number(name, value, *limits) for value in values)
+            return tuple(check_number(name, value, low, high) for value in values)
 
 
 @contextmanager
