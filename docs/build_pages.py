@@ -1,9 +1,10 @@
-"""Write the reference pages from the program: commands, JSON, errors, API, pages to watch."""
+"""Write the reference pages from the program: commands, JSON, errors, API, moving robots."""
 
 from __future__ import annotations
 
 import inspect
 import json
+import shlex
 import shutil
 import tempfile
 from collections.abc import Iterator
@@ -25,26 +26,26 @@ from serpenoid.robot.wire.protocol import ERRORS
 DOCS = Path(__file__).resolve().parent
 GENERATED = DOCS / "generated"
 LIMPING = DOCS.parent / "host" / "examples" / "limping_on_a_slope.toml"
-GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5"]
+GAIT = "--alpha-deg 70 --beta-deg 75 --omega-rad-s 5"
 EXAMPLE_LENGTH = 60  # characters of a value in a table of keys
 MEANINGS = tomllib.loads((DOCS / "json_keys.toml").read_text(encoding="utf-8"))
-SESSION = str(DOCS.parent / "calibration_data" / "nirakh-2005")
+SESSION = DOCS.parent / "calibration_data" / "nirakh-2005"
 ANSWERS = {  # commands whose --json is shown key by key
-    "steady": ["steady", *GAIT],
-    "steady --formulation implicit": ["steady", *GAIT, "--formulation", "implicit"],
-    "sweep": ["sweep", "--alpha-deg", "60:70:10", "--beta-deg", "75", "--omega-rad-s", "5"],
-    "optimize": ["optimize", "--robot", "paper", "--speed-m-s", "0.1"],
-    "simulate": ["simulate", "--scene", str(LIMPING), "--duration-s", "0.5"],
-    "fit": ["fit", SESSION],
-    "compare": ["compare", SESSION, "--gait", "70", "75", "0.5", "--set", "samples=16"],
-    "advise": ["advise", SESSION, "--gait", "70", "75", "0.5", "--set", "samples=16"],
-    "drive": ["drive", "--port", "virtual:fast", *GAIT, "--duration-s", "1"],
-    "doctor": ["doctor", "--port", "virtual:fast", "--listen-s", "1"],
+    "steady": f"steady {GAIT}",
+    "steady --formulation implicit": f"steady {GAIT} --formulation implicit",
+    "sweep": "sweep --alpha-deg 60:70:10 --beta-deg 75 --omega-rad-s 5",
+    "optimize": "optimize --robot paper --speed-m-s 0.1",
+    "simulate": f"simulate --scene '{LIMPING}' --duration-s 0.5",
+    "fit": f"fit '{SESSION}'",
+    "compare": f"compare '{SESSION}' --gait 70 75 0.5 --set samples=16",
+    "advise": f"advise '{SESSION}' --gait 70 75 0.5 --set samples=16",
+    "drive": f"drive --port virtual:fast {GAIT} --duration-s 1",
+    "doctor": "doctor --port virtual:fast --listen-s 1",
 }
 
 
 def invoke(arguments: list[str]) -> str:
-    """Return what a command prints; raise where it fails."""
+    """Return the output of a command; raise SystemExit if it fails."""
     done = CliRunner().invoke(cli, arguments, catch_exceptions=False)
     if done.exit_code:
         raise SystemExit(f"serpenoid {' '.join(arguments)}: {done.output}")
@@ -102,7 +103,7 @@ def table(columns: list[str], rows: list[list[Any]]) -> str:
 
 
 def meaning(key: str) -> str:
-    """Return what a key means; the build fails where docs/json_keys.toml does not say."""
+    """Return the meaning of a key; raise SystemExit if docs/json_keys.toml has none."""
     for pattern, words in MEANINGS.items():
         if fnmatchcase(key, pattern.replace("[]", "[[][]]")):
             return words
@@ -110,9 +111,10 @@ def meaning(key: str) -> str:
 
 
 def json_page() -> str:
-    """Return the keys of every answer: what each means, and the value that this build got."""
+    """Return the keys of every answer with their meaning and their value in this build."""
     parts = [JSON_HEAD]
-    for name, arguments in ANSWERS.items():
+    for name, line in ANSWERS.items():
+        arguments = shlex.split(line)
         answer = json.loads(invoke([*arguments, "--json"]))
         rows = [[f"`{key}`", meaning(key), f"`{shown}`"] for key, shown in keys(answer)]
         typed = " ".join(Path(a).name if "/" in a else a for a in arguments)
@@ -129,7 +131,7 @@ def when_and_cure(kind: type) -> tuple[str, str]:
 
 
 def error_page() -> str:
-    """Return the exceptions, and why a board refuses."""
+    """Return the exceptions, and the errors of a board."""
     kinds = [
         [f"`{name}`", *when_and_cure(kind)]
         for name, kind in vars(errors).items()
@@ -169,11 +171,11 @@ def api_pages() -> dict[str, str]:
 
 
 def pages(folder: Path) -> None:
-    """Make the pages to watch: two robots."""
+    """Write two pages that show moving robots."""
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as scratch, chdir(scratch):
-        gait = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5", "--duration-s", "8"]
-        invoke(["drive", "--port", "virtual:fast", *gait, "--record", "run.wire"])
+        drive = f"drive --port virtual:fast {GAIT} --duration-s 8 --record run.wire"
+        invoke(drive.split())
         invoke(["view", "run.wire", "--out", str(folder / "virtual.html")])
         invoke(["view", str(LIMPING), "--out", str(folder / "limping.html")])
 
@@ -192,7 +194,7 @@ of `serpenoid drive --port virtual`.
 
 
 def main() -> None:
-    """Write all of it anew."""
+    """Write all generated pages."""
     shutil.rmtree(GENERATED, ignore_errors=True)
     pages(GENERATED / "static")
     has_playground = build_playground.build(GENERATED / "pages" / "playground")
