@@ -147,7 +147,7 @@ def error_page() -> str:
 
 def api_pages() -> dict[str, str]:
     """Return a page for each public name, and "api", which lists them."""
-    groups: dict[str, dict[str, Any]] = {"Functions": {}, "Classes": {}, "Exceptions": {}}
+    groups = {"Functions": {}, "Classes": {}, "Exceptions": {}}
     for name in sn.__all__:
         value = getattr(sn, name)
         kind = "Functions" if inspect.isfunction(value) else "Classes"

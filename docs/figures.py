@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "studies"))
@@ -44,11 +43,14 @@ def run(path: Path) -> None:
 
 def accuracy(path: Path) -> None:
     """Draw the measurement that stands in accuracy.csv; `serpenoid bench` measures."""
-    rows = []
-    for line in csv_rows(read_text(STORED / "accuracy.csv"))[1:]:
-        numbers = [float(cell or "nan") for cell in line[3:6]]
-        rows.append(Row(*line[:3], *numbers, *line[6:]))  # type: ignore[arg-type]
-    work_precision_figure(rows, path)
+    work_precision_figure(measured_rows(), path)
+
+
+def measured_rows() -> list[Row]:
+    """Return the rows of accuracy.csv."""
+    _, *lines = csv_rows(read_text(STORED / "accuracy.csv"))
+    numbers = [[float(cell or "nan") for cell in line[3:6]] for line in lines]
+    return [Row(*line[:3], *values, *line[6:]) for line, values in zip(lines, numbers, strict=True)]
 
 
 def stability(path: Path) -> None:
@@ -58,7 +60,7 @@ def stability(path: Path) -> None:
     stability_figure(cells, path)
 
 
-FIGURES: dict[str, Callable[[Path], None]] = {
+FIGURES = {
     "crawl.svg": crawl_drawing.draw,
     "speed.png": speed,
     "path.png": crawl_path,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -33,7 +32,7 @@ def _label(ax: Axes, x: float, y: float, side: float, angle: float = 0.0, link: 
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) / 2
 
-    def put(shape: Any, colour: str, **more: Any) -> None:
+    def put(shape, colour: str, **more) -> None:
         corners = np.asarray(shape) @ turn.T + [x, y]
         ax.add_patch(Polygon(corners, fc=colour, **more))
 

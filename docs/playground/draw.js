@@ -16,12 +16,13 @@ function findWay(motion) {
   const [x0, y0] = middle(motion, 0), [x1, y1] = middle(motion, motion.frames);
   motion.advance = Math.hypot(x1 - x0, y1 - y0);
   motion.way = Math.atan2(y1 - y0, x1 - x0);
-  const c = Math.cos(motion.way), d = Math.sin(motion.way);
-  motion.path = Array.from({ length: motion.frames + 1 }, (_, k) => {
-    const [x, y] = middle(motion, k);
-    return [c * (x - x0) + d * (y - y0), c * (y - y0) - d * (x - x0)];
-  });
-  return motion;
+  motion.path = Array.from({ length: motion.frames + 1 }, (_, k) => alongWay(motion, middle(motion, k), [x0, y0]));
+}
+
+// A point from another one, along and across the way.
+function alongWay({ way }, [x, y], [x0, y0]) {
+  const c = Math.cos(way), d = Math.sin(way);
+  return [c * (x - x0) + d * (y - y0), c * (y - y0) - d * (x - x0)];
 }
 
 // The middle at a phase counted in cycles from 0, m.
@@ -33,21 +34,21 @@ function pathAt(motion, phase) {
 // `gone`: by how far the robot has crawled, m; the ground is drawn by it.
 function drawSnake(canvas, motion, phase, gone) {
   const { g, w, h } = sharp(canvas), body = motion.links * motion.length;
-  const scale = Math.min(w / (1.02 * body), h / (0.5 * body)), cycle = Math.floor(phase);
-  const [, side] = pathAt(motion, phase), k = Math.round((phase - cycle) * motion.frames);
+  const scale = Math.min(w / (1.02 * body), h / (0.5 * body));
+  const [here, side] = pathAt(motion, phase), k = Math.round(phase % 1 * motion.frames);
   const step = 10 ** Math.floor(Math.log10(0.6 * w / scale)), Y0 = h / 2 - 8; // m, between the lines
   for (let x = -((gone % step) + step) * scale + w / 2 % (step * scale); x < w + step * scale; x += step * scale)
     line(g, [[x, 0], [x, h]], colour("grid"), 1);
   const back = [];
   for (let p = phase; p > phase - 4; p -= 0.02) {
     const [x, y] = pathAt(motion, p);
-    back.push([w / 2 + (x - pathAt(motion, phase)[0]) * scale, Y0 - y * scale]);
+    back.push([w / 2 + (x - here) * scale, Y0 - y * scale]);
   }
   line(g, back, colour("path"), 2);
-  const [x0, y0] = middle(motion, k);
+  const centre = middle(motion, k);
   for (let i = 0; i < motion.links; i++) {
     const at = k * motion.row + 4 * i, [x, y, theta, across] = motion.data.slice(at, at + 4);
-    const c = Math.cos(motion.way), d = Math.sin(motion.way), right = c * (x - x0) + d * (y - y0), up = c * (y - y0) - d * (x - x0);
+    const [right, up] = alongWay(motion, [x, y], centre);
     // A wheel holds where it slips by less than a thousandth of a link in a cycle.
     const holds = Math.abs(across) < 1e-3 * motion.length * motion.hz;
     drawLink(g, w / 2 + right * scale, Y0 - (side + up) * scale, motion.way - theta, motion.length * scale,

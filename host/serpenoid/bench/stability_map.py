@@ -37,8 +37,6 @@ KINDS = {
     "SILENTLY WRONG": "#b2182b",
 }  # Kinds of cells, and their colours in the figure.
 Line = tuple[str, int, float, float, float]
-# The axes of a map: links, cn in N s/m, c in N s/m, and k in N/m.
-Axes = tuple[Sequence[int], Sequence[float], Sequence[float], Sequence[float]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +132,8 @@ def line_of_growth(line: Line, steps_s: Sequence[float], count: int) -> list[flo
 
 def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Cell]:
     """Yield every cell of a map for every method of fixed steps."""
-    axes: Axes = (2, 6), (10.0, 1e4), (0.0, 1.0, 1e3, 1e5), np.logspace(2, 9, 15).tolist()
+    # The axes are links, cn in N s/m, c in N s/m, and k in N/m.
+    axes = (2, 6), (10.0, 1e4), (0.0, 1.0, 1e3, 1e5), np.logspace(2, 9, 15).tolist()
     steps_s, count = np.logspace(-5, -1, 13).tolist(), 1200
     if quick:
         axes = (6,), (10.0, 1e4), (0.0, 1e3), np.logspace(2, 8, 7).tolist()
@@ -142,7 +141,8 @@ def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Cell]:
     with Limited() as child:
         for method in fixed_step_methods():
             tell(f"map of stability: {method} ...")
-            for line in product((method,), *axes):
+            lines: Any = product((method,), *axes)
+            for line in lines:
                 limit_s = largest_stable_step_s(scene_of(*line))
                 values, note = child(30.0, line_of_growth, line, steps_s, count)
                 for dt_s, value in zip(steps_s, values or cycle([math.nan]), strict=False):

@@ -59,9 +59,11 @@ class Background:
         max_error_px = 1.0  # Deviation from the common motion; points beyond it are on a foot.
         min_points = 12  # Fewest points whose common motion is trusted.
         later = _even(np.ascontiguousarray(picture))
-        follow = partial(cv2.calcOpticalFlowPyrLK, winSize=(PATCH_PX, PATCH_PX), maxLevel=4)
-        forward_points, status, _ = follow(self._first, later, self._points, None)
-        returned_points, returned_status, _ = follow(later, self._first, forward_points, None)
+        follow: Any = partial(cv2.calcOpticalFlowPyrLK, winSize=(PATCH_PX, PATCH_PX), maxLevel=4)
+        forward_points, status, _ = follow(self._first, later, self._points, self._points.copy())
+        returned_points, returned_status, _ = follow(
+            later, self._first, forward_points, forward_points.copy()
+        )
         distance = np.linalg.norm(returned_points - self._points, axis=2).ravel()
         is_good = (status & returned_status).ravel() == 1
         is_good &= distance < max_error_px

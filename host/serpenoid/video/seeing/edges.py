@@ -47,9 +47,8 @@ def _refined(picture: Grey, quads: Array) -> tuple[Array, Array]:
     base = start[..., None] + ALONG * edge[..., None]
     places = base[..., None] + (reach * ACROSS)[:, :, None] * outward[..., None, None]
     flat = np.stack([places.real, places.imag], axis=-1).reshape(len(quads) * 4, -1, 2)
-    grey = cv2.remap(
-        picture, flat.astype(np.float32), None, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE
-    )
+    x, y = np.moveaxis(flat.astype(np.float32), -1, 0)
+    grey = cv2.remap(picture, x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
     offset, width = _crossings(grey.reshape(places.shape).astype(float))
     corners = _cut(start, edge, outward, _lines(offset * reach))
     rows = len(quads), -1
