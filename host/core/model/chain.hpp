@@ -1,10 +1,11 @@
 // Positions, velocities and forces of all links in the ground's frame, for all models.
 #pragma once
 
-#include <cmath>
+#include <algorithm>
 #include <vector>
 
 #include "model/params.hpp"
+#include "numerics/pack.hpp"
 
 namespace serpenoid {
 
@@ -27,16 +28,13 @@ struct Chain {
           alpha(n),
           fx(n),
           fy(n),
-          c(n),
-          s(n) {}
+          c(n + n % kPack),
+          s(n + n % kPack) {}
     int n() const { return static_cast<int>(x.size()); }
 
     void directions() {
-        for (int i = 0; i < n(); ++i) {
-            const double angle = theta[i];  // a copy: the pair is one call then
-            c[i] = std::cos(angle);
-            s[i] = std::sin(angle);
-        }
+        for (int i = 0; i < n(); i += kPack)
+            sincos(Pack{theta[i], theta[std::min(i + 1, n() - 1)]}, pack_at(&s[i]), pack_at(&c[i]));
     }
 
     // The ground's forces on all links, by their directions and velocities (Eqs. 28-33); the weight

@@ -55,14 +55,17 @@ void Dop853::restart(double t, const double* y) {
     system_.rate(t, y, k(kStages));
 }
 
-// y_old + h (the row's sum of rates); zeros of the table are gone at compile time.
+// The i-th entry of a row's sum of rates; zeros of the table are gone at compile time.
+template <int... j>
+[[gnu::always_inline]] inline double Dop853::sum(const double* row, int i,
+                                                 std::integer_sequence<int, j...>) const {
+    return ((row[j] == 0 ? 0.0 : row[j] * k_[j * dim_ + i]) + ...);
+}
+
 template <int stage>
 void Dop853::combine(double h, double* state) const {
-    const auto sum = [this]<int... j>(int i, std::integer_sequence<int, j...>) {
-        return ((kA[stage][j] == 0 ? 0.0 : kA[stage][j] * k_[j * dim_ + i]) + ...);
-    };
     for (int i = 0; i < dim_; ++i)
-        state[i] = y_old_[i] + h * sum(i, std::make_integer_sequence<int, stage>{});
+        state[i] = y_old_[i] + h * sum(kA[stage], i, std::make_integer_sequence<int, stage>{});
 }
 
 template <int stage>
@@ -82,11 +85,8 @@ void Dop853::stages(double h) {
 double Dop853::error(double h) const {
     double e3 = 0, e5 = 0, check = 0;
     for (int i = 0; i < dim_; ++i) {
-        double d3 = 0, d5 = 0;
-        for (int j = 0; j < kStages; ++j) {
-            d3 += kE3[j] * k_[j * dim_ + i];
-            d5 += kE5[j] * k_[j * dim_ + i];
-        }
+        const std::make_integer_sequence<int, kStages> stages;
+        const double d3 = sum(kE3, i, stages), d5 = sum(kE5, i, stages);
         e3 = std::max(e3, std::fabs(d3) * weight_[i]);
         e5 = std::max(e5, std::fabs(d5) * weight_[i]);
         check += d5 * 0;

@@ -1,6 +1,7 @@
 // Dormand and Prince's explicit Runge-Kutta method of order 8 with adaptive steps.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "methods/adaptive/dop853_table.hpp"
@@ -37,6 +38,8 @@ class Dop853 final : public Method {
     double decay() const { return decay_; }  // h |lambda| of the last step
 
   private:
+    template <int... j>
+    double sum(const double* row, int i, std::integer_sequence<int, j...>) const;
     template <int stage>
     void combine(double h, double* state) const;
     template <int stage>
