@@ -85,7 +85,9 @@ def speeds(samples: Samples, gait: Gait, commanded: Gait | None = None) -> Array
     friction_m_s, moved_m_s = ideal_m_s
     joints_m_s = friction_m_s if commanded else moved_m_s
     if samples.servos and commanded:
-        shares = drawn_servo_speeds(states[count:], samples.servos, value=ripple_share)
+        shares = drawn_servo_speeds(
+            states[count:], samples.servos, value=ripple_share, ends_only=True
+        )
         moved_m_s = joints_m_s * shares
     elif samples.servos and not is_too_fast(gait, samples.kind):
         moved_m_s = drawn_servo_speeds(states[count:], samples.servos, ends_only=True)

@@ -99,7 +99,7 @@ def best_factors(
     gaits: each with its command where a film showed the joints, whose amplitude is then certain.
     What a factor does to a speed is solved for with the fitted friction and the typical servo.
     """
-    count, ones = 9, np.ones(9)
+    count, ones = 8, np.ones(8)
     factors = np.geomspace(0.4, 2.5, count), np.linspace(0.5, 1.3, count)
     friction = np.concatenate([[1.0], factors[0], ones])
     amplitude = np.concatenate([[1.0], ones, factors[1]])
