@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
@@ -31,6 +32,8 @@ def bench(folder: Path, quick: bool) -> None:
     from ..base.files import write_csv
     from ..bench import extremes, scenes, stability_map, work_precision
     from ..bench.work_precision_figure import work_precision_figure
+
+    warnings.simplefilter("ignore")  # Extreme scenes are extreme on purpose.
 
     def save(name: str, measured: Iterable[Any]) -> list[Any]:
         """Write a table of results, and return its rows."""
