@@ -62,4 +62,5 @@ def integral(rate: Floats, t_s: Floats) -> Floats:
     They are computed by the trapezoidal rule.
     """
     steps = 0.5 * np.diff(t_s) * (rate[:, 1:] + rate[:, :-1])
-    return np.concatenate([np.zeros((len(rate), 1)), np.cumsum(steps, axis=1)], axis=1)
+    start = np.zeros((len(rate), 1))
+    return np.concatenate([start, np.cumsum(steps, axis=1)], axis=1)

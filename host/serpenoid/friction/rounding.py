@@ -106,9 +106,11 @@ def shared_rounding(
         return np.full(len(shown_rad), -1, dtype=np.intp), np.empty((STEPS.samples, 0))
     step_rad, points = grid
     shown = np.round(shown_rad / step_rad).astype(np.intp)
-    groups, index = np.unique(np.column_stack([points, shown]), axis=0, return_inverse=True)
+    pairs = np.column_stack([points, shown])
+    groups, index = np.unique(pairs, axis=0, return_inverse=True)
     first_phase, phase = _phases(groups[:, 0], step_rad, grade_step)
-    for group in np.flatnonzero(np.diff(groups[:, 0]) == 0) + 1:
+    repeats_point = np.diff(groups[:, 0]) == 0
+    for group in np.flatnonzero(repeats_point) + 1:
         phase[:, group] = np.random.default_rng(group).permutation(first_phase)
     errors = step_rad * (np.round(phase) - phase)
     order = np.random.default_rng(0).permutation(STEPS.samples)
@@ -129,8 +131,11 @@ def nearest_shown(
     step_rad, points = grid
     offsets = np.tan(shown_rad) - grade_step * points
     middle = float(offsets.max() + offsets.min()) / 2
-    grade = grade_step * np.round((np.tan(wanted_rad) - middle) / grade_step)
+    wanted_steps = (np.tan(wanted_rad) - middle) / grade_step
+    grade = grade_step * np.round(wanted_steps)
     same = np.flatnonzero(points == np.round(grade / grade_step))
     if len(same):
-        return float(shown_rad[same[-1]])
-    return float(np.round(np.arctan(grade + middle) / step_rad) * step_rad)
+        latest = same[-1]
+        return float(shown_rad[latest])
+    steps = np.round(np.arctan(grade + middle) / step_rad)
+    return float(steps * step_rad)

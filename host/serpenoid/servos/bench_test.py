@@ -70,7 +70,8 @@ class BenchTest:
     @property
     def resolution_rad(self) -> float:
         """Return the smallest difference between two angles of the table, rad."""
-        steps = np.diff(np.unique(np.round(self.angle_rad, 9)))
+        angles_rad = np.unique(np.round(self.angle_rad, 9))
+        steps = np.diff(angles_rad)
         return float(steps.min()) if steps.size else 0.0
 
     @property
@@ -184,7 +185,8 @@ class BenchModel:
         sent_s = test.t_s if test.sent_s is None else test.sent_s
         self.setpoints_rad = test.setpoint_rad[np.r_[0, changes]]
         self.sent_s = np.r_[test.t_s[0], sent_s[changes]]
-        self.start_rad = float(np.mean(test.angle_rad[: changes[0]][-5:]))
+        first = changes[0]
+        self.start_rad = float(np.mean(test.angle_rad[:first][-5:]))
         self.steps = changes.size if changes.size <= max_steps else 0
         # A step waits for the next frame of 20 ms and for the loop's next sample, both uniform.
         self.step_sigma_s = math.hypot(0.006, self.period_s / math.sqrt(12))

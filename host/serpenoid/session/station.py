@@ -89,7 +89,8 @@ class Reading(Observation):
         """Return the cells with the mean drift, m/s, of a short reading."""
         if PLACES not in cells:
             return cells
-        duration_s, distance_m, _ = typed_track(str(cells[PLACES]))[-1]
+        track = typed_track(str(cells[PLACES]))
+        duration_s, distance_m, _ = track[-1]
         return cells | {"drift_m_s": float(distance_m / duration_s)}
 
     def in_words(self) -> tuple[str, str]:
@@ -227,7 +228,8 @@ def bent_share(bend: str, links: int) -> float:
     """
     if bend == "zigzag":
         return 1.0
-    return sum(map(abs, balanced_signs(links))) / links
+    signs = balanced_signs(links)
+    return sum(map(abs, signs)) / links
 
 
 def slips(bend: str, angle: float, links: int) -> bool:

@@ -120,7 +120,7 @@ def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> Filme
     motion, bundle, film = measured.motion, measured.bundle, watched.film
     rate_sigma, *joint_sigmas, direction_sigma, speed_sigma, turn_sigma = measured.sigmas.tolist()
     span_s, t_s = float(np.ptp(measured.track.t_s)), watched.sightings.t_s
-    camera = bundle.camera
+    camera, frame_s = bundle.camera, float(np.median(np.diff(t_s)))
     return FilmedRun(
         speed_m_s=motion.speed_m_s,
         speed_sigma_m_s=speed_sigma,
@@ -148,7 +148,7 @@ def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> Filme
             "height_px": film.height,
             "frames": len(t_s),
             "duration_s": float(np.ptp(t_s)),
-            "frame_rate_hz": float(1 / np.median(np.diff(t_s))),
+            "frame_rate_hz": 1 / frame_s,
             "capture_fps": film.capture and film.capture.taken_hz,
         },
         scale_sigma=bundle.scale_off,
@@ -183,14 +183,18 @@ def track_rows(measured: Measured) -> tuple[list[str], Array]:
     the tail; an angle is NaN where tags do not show the joint.
     """
     track, phi = measured.track, joint_angles(measured.track.states)
-    joints = [f"joint{i + 1}_rad" for i in range(phi.shape[1])]
+    count = phi.shape[1]
+    joints = [f"joint{number}_rad" for number in range(1, count + 1)]
     angles = np.where(measured.joint_mask, phi, np.nan)
-    rows = np.column_stack([track.t_s, track.states[:, :2], mean_heading(track.states), angles])
+    position_m, heading_rad = track.states[:, :2], mean_heading(track.states)
+    rows = np.column_stack([track.t_s, position_m, heading_rad, angles])
     return ["t_s", "x_m", "y_m", "heading_rad", *joints], rows
 
 
 def write_track(measured: Measured, path: Path) -> None:
     """Write the track as CSV; the cell of a joint that tags do not show stays empty."""
     names, rows = track_rows(measured)
-    lines = [["" if np.isnan(value) else f"{value:.7g}" for value in row] for row in rows]
+    lines = list[list[str]]()
+    for row in rows:
+        lines.append(["" if np.isnan(value) else f"{value:.7g}" for value in row])
     write_csv(path, names, lines)
