@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from .gait import Gait
-from .robot import MAX_DENSITY_KG_M3, Robot
+from .robot import Robot
 
 
 def unit_doubts(
@@ -14,13 +14,13 @@ def unit_doubts(
     gait: Gait | None,
     *,
     lengths_m: tuple[float, float] = (0.01, 1.0),
-    masses_kg: tuple[float, float] = (1e-3, 20.0),
+    masses_kg: tuple[float, float] = (1e-3, 5.0),
     max_bend_deg: float = 90.0,
 ) -> Iterator[str]:
     """Yield a sentence for each number that no snake robot has: its value, what is usual, the cure.
 
-    Such a number is taken all the same. lengths_m, masses_kg: bounds of one link, several times
-    beyond the smallest and the largest that were built. max_bend_deg: bend of a joint to either
+    Such a number is taken all the same. lengths_m, masses_kg: bounds of one link, beyond the
+    smallest and the largest of most robots that were built. max_bend_deg: bend of a joint to either
     side, which hobby servos reach.
     """
     length_m, mass_kg = robot.link_length_m, robot.link_mass_kg
@@ -33,12 +33,10 @@ def unit_doubts(
         cure = f"; if that was another unit, give {' or '.join(likely)}" if likely else ""
         yield f"a link is {length_m:g} m long, usual are 0.03 to 0.3 m{cure}"
     low, high = masses_kg
-    too_dense = mass_kg > MAX_DENSITY_KG_M3 * length_m**3
-    if too_dense or not low <= mass_kg <= high:
-        metal = ", more than solid metal of its length" if too_dense else ""
-        cure = "; if that was in grams, divide by 1000" if mass_kg > 1.0 else ""
+    if not low <= mass_kg <= high:
+        cure = "; if that was in grams, divide by 1000" if mass_kg > high else ""
         yield (
-            f"a link has {mass_kg:g} kg, the whole robot {robot.mass_kg:g} kg{metal}; usual are "
+            f"a link has {mass_kg:g} kg, the whole robot {robot.mass_kg:g} kg; usual are "
             f"0.02 to 2 kg a link{cure}"
         )
     bend_deg = math.degrees(gait.alpha_rad + abs(gait.offset_rad)) if gait else 0.0

@@ -29,7 +29,10 @@ def test_degrees_that_look_like_radians_get_a_hint() -> None:
     [
         ({"link_length_m": 3}, r"a link is 3 m long, .*0.3 m; .*give 0.03 \(cm\) or 0.0762 \(in\)"),
         ({"link_length_m": 76}, r"a link is 76 m long, .* give 0.076 \(mm\)$"),
-        ({"link_mass_kg": 75.6}, "a link has 75.6 kg, .* more than solid metal .* divide by 1000$"),
+        (
+            {"link_mass_kg": 75.6},
+            "a link has 75.6 kg, the whole robot 453.6 kg; .* divide by 1000$",
+        ),
         ({"alpha_deg": 140}, "joints bend by up to 140 degrees, .*half of the swing"),
     ],
 )
