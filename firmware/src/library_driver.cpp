@@ -1,4 +1,5 @@
-// Servos at the board's own pins, by the Servo library, whose refresh is locked to the frames.
+// Servos at the board's own pins. The refresh of the Servo library (one pulse for each servo, one
+// after the other, and then a gap) is synchronised with the frames.
 #ifndef SERPENOID_PCA9685
 #include <Arduino.h>
 #include <Servo.h>
@@ -11,47 +12,50 @@
 namespace servo_driver {
 namespace {
 
-// From the time that a frame is due until its pulses begin: time to compute them, even if late.
-const uint16_t kHandoverUs = 3000;
-// Handing over takes up to 60 µs, interrupts up to 40 µs more.
+// Delay from the time at which a frame is due to its first pulse. In this time the pulses are
+// computed, even if the frame begins late.
+const uint16_t kPulseDelayUs = 3000;
+// Shortest remaining gap in which pulses are written, which takes 60 µs and interrupts 40 µs more.
 const uint16_t kMinGapUs = 150;
 
 Servo servos[firmware::kMaxJoints];
-int16_t widths_us[firmware::kMaxJoints];
-uint32_t frame_due_us;  // when the frame of these pulses was due
-uint16_t length_us;     // of a frame
-bool waiting;           // they have not been handed over yet
-bool letting_go;
+int16_t pending_pulse_us[firmware::kMaxJoints];
+uint32_t frame_due_us;  // time at which the frame of pending_pulse_us is due
+uint16_t frame_length_us;
+bool pulses_pending;  // pending_pulse_us is not yet written to the library
+bool detach_pending;
 
-// The Servo library leaves a pin high if its servo is detached in the middle of a pulse: wait for
-// low.
-void let_go() {
-    letting_go = false;
+// Detach all servos whose pins are low. The Servo library would leave a pin high if its servo were
+// detached during a pulse; these servos remain for the next call.
+void detach_between_pulses() {
+    detach_pending = false;
     for (uint8_t i = 0; i < firmware::joint_count; ++i) {
         if (!servos[i].attached()) continue;
         noInterrupts();
         const bool low = digitalRead(board::servo_pin(i)) == LOW;
         if (low) servos[i].detach();
         interrupts();
-        if (!low) letting_go = true;
+        if (!low) detach_pending = true;
     }
 }
 
 void write_pulses() {
-    waiting = false;
+    pulses_pending = false;
     for (uint8_t i = 0; i < firmware::joint_count; ++i) {
-        if (widths_us[i] != 0) servos[i].writeMicroseconds(widths_us[i] - board::kPulseExcessUs);
+        if (pending_pulse_us[i] != 0)
+            servos[i].writeMicroseconds(pending_pulse_us[i] - board::kPulseExcessUs);
     }
 }
 
-// All at once, in the gap between two refreshes; and the next refresh is made to begin on time.
-void hand_over() {
+// In the gap between two refreshes, write the pulses of all servos, and set the time at which the
+// next refresh begins. Outside the gap, do nothing.
+void write_in_gap() {
     const uint16_t ticks = servo_timer::gap_ticks();
     if (ticks < 2 * kMinGapUs) return;
     write_pulses();
-    int32_t left_us = static_cast<int32_t>(frame_due_us + kHandoverUs - ::micros());
-    while (left_us < kMinGapUs) left_us += length_us;
-    servo_timer::begin_in(2 * static_cast<uint16_t>(left_us));
+    int32_t delay_us = static_cast<int32_t>(frame_due_us + kPulseDelayUs - ::micros());
+    while (delay_us < kMinGapUs) delay_us += frame_length_us;
+    servo_timer::begin_in(2 * static_cast<uint16_t>(delay_us));
 }
 
 }  // namespace
@@ -63,28 +67,29 @@ void begin() {
     }
 }
 
-// The pulses follow one another, 2.5 ms at the longest, and then comes a gap of 2.5 ms, in which
-// the next ones are handed over.
+// One pulse for each joint, 2.5 ms at the longest, and a gap of 2.5 ms, in which the next pulses
+// are written.
 uint16_t min_frame_us() { return firmware::kMaxPulseUs * (firmware::joint_count + 1); }
 
 void begin_frames(uint16_t frame_us, uint16_t) {
-    length_us = frame_us;
+    frame_length_us = frame_us;
     servo_timer::begin(frame_us);
 }
 
 void service() {
-    if (waiting) hand_over();
+    if (pulses_pending) write_in_gap();
     servo_timer::stretch();
-    if (letting_go) let_go();
+    if (detach_pending) detach_between_pulses();
 }
 
-bool quiet() { return !letting_go && !waiting; }
+bool quiet() { return !detach_pending && !pulses_pending; }
 
 bool answers() { return true; }
 
-// No pulse may start between attach(), which leaves the width of the last time, and the new width.
+// Interrupts are off because Servo::attach() begins with the width from before the last detach():
+// no pulse may start until the new width is written.
 void attach(uint8_t joint, int16_t pulse_us) {
-    letting_go = false;
+    detach_pending = false;
     noInterrupts();
     if (!servos[joint].attached()) {
         servos[joint].attach(board::servo_pin(joint), firmware::kMinPulseUs, firmware::kMaxPulseUs);
@@ -93,15 +98,16 @@ void attach(uint8_t joint, int16_t pulse_us) {
     interrupts();
 }
 
-void detach() { letting_go = true; }
+void detach() { detach_pending = true; }
 
-// What still waits then, a whole frame long, has no gap to wait for: better mixed than never.
+// Pulses that have been pending for a whole frame found no gap. They are written at once: old and
+// new pulses within one refresh are better than a lost frame.
 void pulses(const int16_t (&pulse_us)[firmware::kMaxJoints], uint32_t due_us) {
-    if (waiting) write_pulses();
-    for (uint8_t i = 0; i < firmware::joint_count; ++i) widths_us[i] = pulse_us[i];
+    if (pulses_pending) write_pulses();
+    for (uint8_t i = 0; i < firmware::joint_count; ++i) pending_pulse_us[i] = pulse_us[i];
     frame_due_us = due_us;
-    waiting = true;
-    hand_over();
+    pulses_pending = true;
+    write_in_gap();
 }
 
 }  // namespace servo_driver

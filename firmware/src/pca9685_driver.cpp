@@ -1,9 +1,12 @@
-// Servos at a PCA9685, 16 channels behind two wires; its outputs are enabled by a pin of the board.
+// Servos at a PCA9685, a chip of 16 pulse outputs (channels) on the I²C bus. A pin of the board
+// enables its outputs.
 //
-// All channels are written in one burst and change together, at the end of the chip's own cycle,
-// which is a frame to within 2.4 % and is not locked to it. The pin that enables them (/OE, low)
-// floats while the board resets, and a resistor pulls it up: so a reset, or a bus that fell silent,
-// ends all pulses without a word to the chip.
+// All channels are written in one transfer, and their pulses change together at the end of the
+// chip's cycle. This cycle is as long as a frame to within 2.4 %, but not synchronised with it.
+//
+// The enabling pin (/OE) is active when low. While the board resets, the pin floats and a resistor
+// pulls it up, so a reset ends all pulses. If the bus fails, the board sets the pin high. Neither
+// needs a transfer to the chip.
 #ifdef SERPENOID_PCA9685
 #include <Arduino.h>
 
@@ -14,108 +17,110 @@
 namespace servo_driver {
 namespace {
 
-const uint8_t kDevice = 0x40;
+const uint8_t kChipAddress = 0x40;
 const uint8_t kGeneralCall = 0x00, kSoftwareReset = 0x06;
 const uint8_t kMode1 = 0x00, kFirstChannel = 0x06, kAllOffHigh = 0xFD, kPrescale = 0xFE;
-const uint8_t kAwake = 0x20, kAsleep = 0x30;  // MODE1, with registers that count up by themselves
-const uint8_t kRestart = 0x80;                // MODE1, where outputs were on when it fell asleep
+const uint8_t kAwake = 0x20, kAsleep = 0x30;  // MODE1, with AI: consecutive registers
+const uint8_t kRestart = 0x80;  // MODE1: set if outputs were on when the chip went to sleep
 const uint8_t kFullOff = 0x10;
 const uint8_t kMaxPrescale = 255;
-const uint16_t kCounts = 4096;  // a cycle
-// Computing and sending all joints, with a line to write.
-const uint16_t kMinUs = 2000 + 600 * firmware::joint_count;
+const uint16_t kCycleCounts = 4096;  // resolution of the chip: counts in a cycle
+// Time to compute and send the pulses of all joints and to write a line to the host.
+const uint16_t kMinFrameUs = 2000 + 600 * firmware::joint_count;
 
-uint16_t oscillator_khz;  // of this chip
+uint16_t oscillator_khz;  // differs from chip to chip
 uint8_t prescale;
-uint8_t attached;  // joints from the tail
-bool good = false;
+uint8_t attached_count;  // number of joints with pulses, from the tail
+bool responds = false;
 
-uint16_t counts_of(int16_t pulse_us) {
+uint16_t pulse_counts(int16_t pulse_us) {
     const uint32_t clocks = static_cast<uint32_t>(pulse_us) * oscillator_khz;  // times 1000
-    const uint32_t unit = 1000UL * (prescale + 1U);
-    return static_cast<uint16_t>((clocks + unit / 2) / unit);
+    const uint32_t clocks_per_count = 1000UL * (prescale + 1U);
+    return static_cast<uint16_t>((clocks + clocks_per_count / 2) / clocks_per_count);
 }
 
-void enable(bool on) { digitalWrite(board::kEnablePin, on ? LOW : HIGH); }
+void enable_outputs(bool on) { digitalWrite(board::kEnablePin, on ? LOW : HIGH); }
 
-bool set_register(uint8_t first, uint8_t value) {
-    return two_wire::write(kDevice, first, &value, 1);
+bool set_register(uint8_t register_address, uint8_t value) {
+    return two_wire::write(kChipAddress, register_address, &value, 1);
 }
 
-// All outputs off, then the rate, which can be set only while it sleeps. Before that a software
-// reset for all chips: else one that was told once to use an external clock keeps to it (EXTCLK).
-bool start() {
-    good = set_register(kMode1, kAsleep) && two_wire::write(kGeneralCall, kSoftwareReset, 0, 0) &&
-           set_register(kMode1, kAsleep) && set_register(kAllOffHigh, kFullOff) &&
-           set_register(kPrescale, prescale) && set_register(kMode1, kAwake);
-    delayMicroseconds(500);  // until its oscillator runs
-    return good;
+// Reset the chip, switch all outputs off and set the length of its cycle, which can be set only in
+// its sleep. Only a software reset, which goes to all chips on the bus, clears EXTCLK (use of an
+// external clock).
+bool start_chip() {
+    responds = set_register(kMode1, kAsleep) &&
+               two_wire::write(kGeneralCall, kSoftwareReset, 0, 0) &&
+               set_register(kMode1, kAsleep) && set_register(kAllOffHigh, kFullOff) &&
+               set_register(kPrescale, prescale) && set_register(kMode1, kAwake);
+    delayMicroseconds(500);  // the oscillator starts in this time
+    return responds;
 }
 
-// Every channel, in one burst; each begins a sixteenth of a cycle after its neighbour, so that the
-// servos do not start together.
+// Write all channels in one transfer. Each pulse begins a sixteenth of a cycle after that of the
+// joint before, so that the servos do not draw their current at the same time.
 bool write_channels(const int16_t* pulse_us) {
     uint8_t bytes[4 * firmware::joint_count], *next = bytes;
     for (uint8_t i = 0; i < firmware::joint_count; ++i) {
-        const uint16_t start = static_cast<uint16_t>(i * (kCounts / 16));
-        const bool is_off = i >= attached || pulse_us[i] == 0;
-        const uint16_t end = (start + (is_off ? 0 : counts_of(pulse_us[i]))) % kCounts;
+        const uint16_t start = static_cast<uint16_t>(i * (kCycleCounts / 16));
+        const bool is_off = i >= attached_count || pulse_us[i] == 0;
+        const uint16_t end = (start + (is_off ? 0 : pulse_counts(pulse_us[i]))) % kCycleCounts;
         *next++ = static_cast<uint8_t>(start);
         *next++ = static_cast<uint8_t>(start >> 8);
         *next++ = static_cast<uint8_t>(end);
         *next++ = static_cast<uint8_t>(is_off ? kFullOff : end >> 8);
     }
-    return two_wire::write(kDevice, kFirstChannel, bytes, sizeof bytes);
+    return two_wire::write(kChipAddress, kFirstChannel, bytes, sizeof bytes);
 }
 
 }  // namespace
 
 void begin() {
-    enable(false);
+    enable_outputs(false);
     pinMode(board::kEnablePin, OUTPUT);
-    enable(false);
+    enable_outputs(false);
     two_wire::begin();
 }
 
-uint16_t min_frame_us() { return kMinUs; }
+uint16_t min_frame_us() { return kMinFrameUs; }
 
 void begin_frames(uint16_t frame_us, uint16_t khz) {
     oscillator_khz = khz;
     const uint32_t clocks = static_cast<uint32_t>(frame_us) * khz / 1000;
-    const uint32_t ratio = (clocks + kCounts / 2) / kCounts;
+    const uint32_t ratio = (clocks + kCycleCounts / 2) / kCycleCounts;
     prescale = static_cast<uint8_t>(ratio > kMaxPrescale ? kMaxPrescale : ratio - 1);
-    start();
+    start_chip();
 }
 
 void service() {}
 
 bool quiet() { return true; }
 
-// A chip that lost its power for a moment sleeps, and runs at another rate: it is begun anew only
-// when nothing is attached.
+// After an interruption of its power the chip sleeps, with another length of cycle. It is started
+// again only when no joint has pulses.
 bool answers() {
-    if (good) good = (two_wire::read(kDevice, kMode1) & ~kRestart) == kAwake;
-    if (!good && attached == 0) start();
-    if (!good) enable(false);
-    return good;
+    if (responds) responds = (two_wire::read(kChipAddress, kMode1) & ~kRestart) == kAwake;
+    if (!responds && attached_count == 0) start_chip();
+    if (!responds) enable_outputs(false);
+    return responds;
 }
 
 void attach(uint8_t joint, int16_t pulse_us) {
-    attached = static_cast<uint8_t>(joint + 1);
-    (void)pulse_us;  // the next frame's pulses are the same
-    enable(good);
+    attached_count = static_cast<uint8_t>(joint + 1);
+    (void)pulse_us;  // pulses() of the next frame writes the same width
+    enable_outputs(responds);
 }
 
 void detach() {
-    attached = 0;
-    enable(false);
-    good = set_register(kAllOffHigh, kFullOff);
+    attached_count = 0;
+    enable_outputs(false);
+    responds = set_register(kAllOffHigh, kFullOff);
 }
 
 void pulses(const int16_t (&pulse_us)[firmware::kMaxJoints], uint32_t) {
-    if (good && write_channels(pulse_us)) return;
-    good = false;
-    enable(false);
+    if (responds && write_channels(pulse_us)) return;
+    responds = false;
+    enable_outputs(false);
 }
 
 }  // namespace servo_driver

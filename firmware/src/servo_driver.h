@@ -1,5 +1,6 @@
-// What makes the servos' pulses: the Servo library at the board's own pins (library_driver.cpp), or
-// a PCA9685 behind two wires (pca9685_driver.cpp), by the build flag SERPENOID_PCA9685.
+// Interface to the source of the servos' pulses: the Servo library at the board's own pins
+// (library_driver.cpp) or, with the build flag SERPENOID_PCA9685, a PCA9685 chip on the I²C bus
+// (pca9685_driver.cpp).
 #pragma once
 
 #include <stdint.h>
@@ -8,19 +9,24 @@
 
 namespace servo_driver {
 
-// Once, at a start: no servo gets pulses.
+// Set up pins and bus, once after a reset. No servo gets pulses yet.
 void begin();
+// The shortest frame in which all pulses can be made, µs.
 uint16_t min_frame_us();
+// Set the length of a frame. Only the PCA9685 uses the frequency of its oscillator.
 void begin_frames(uint16_t frame_us, uint16_t oscillator_khz);
-// Once a pass of the loop.
+// Do pending work; called in every pass of the main loop.
 void service();
-// service() has nothing to do: the loop may sleep.
+// Whether service() has nothing to do, so that the processor may sleep.
 bool quiet();
-// Whatever makes the pulses is there; looked at before servos are attached.
+// Whether the source of pulses responds; checked before servos are attached.
 bool answers();
 
+// Begin the pulses of one joint, the first one of this width.
 void attach(uint8_t joint, int16_t pulse_us);
+// End the pulses of all joints.
 void detach();
+// Set the pulses of the frame that is due at due_us; 0 for a joint without pulses.
 void pulses(const int16_t (&pulse_us)[firmware::kMaxJoints], uint32_t due_us);
 
 }  // namespace servo_driver

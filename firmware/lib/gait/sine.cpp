@@ -2,8 +2,8 @@
 // curve are equal.
 //
 // A chord over a step h = π/128 is up to h²/8 (a relative error of 7.5e-5) below the sine. The
-// table holds round(32768 (1 + h²/16) sin(i h)), which halves this error. Rounding adds 3e-5, and
-// the limit to 32767 as much.
+// table holds round(32768 (1 + h²/16) sin(i h)), which halves this error. Rounding to 16 bits adds
+// 3e-5, and the clipping of the crest at 32767 adds another 3e-5.
 #include "sine.h"
 
 #include "progmem.h"
@@ -24,7 +24,7 @@ const uint32_t kQuarterTurn = 1UL << 30;
 }  // namespace
 
 int16_t sine_q15(uint32_t phase) {
-    uint32_t angle = phase & (kQuarterTurn - 1);             // a full turn has 2³²
+    uint32_t angle = phase & (kQuarterTurn - 1);             // 2³² is a full turn
     if (phase & kQuarterTurn) angle = kQuarterTurn - angle;  // falling: read the table backwards
     const uint8_t i = static_cast<uint8_t>(angle >> 24);
     uint16_t y = flash_u16(&kQuarterWave[i]);

@@ -1,4 +1,4 @@
-// The tables of PROTOCOL.md; a test holds the two against each other.
+// The tables of fields in PROTOCOL.md; a test compares both.
 #include "fields.h"
 
 #include <string.h>
@@ -8,10 +8,13 @@
 namespace firmware {
 namespace {
 
+// Millionths of the unit.
 constexpr int32_t u(double value) {
     return static_cast<int32_t>(value * 1e6 + (value < 0 ? -0.5 : 0.5));
 }
 
+// Columns: name, unit, lowest and highest value, default, whether only integers are allowed. A
+// default of 0 outside the range is `off`.
 const Field kSettingFields[kSettingCount] FLASH = {
     {"angle_ramp", "deg/s", u(1), u(360), u(60), false},
     {"rate_ramp", "rad/s2", u(0.1), u(100), u(5), false},
@@ -42,7 +45,7 @@ const Field kGaitFields[kGaitFieldCount] FLASH = {
 
 const Field kJointAngle FLASH = {"angle", "deg", u(-114), u(114), u(0), false};
 
-Field copied(const Field* field) {
+Field copy_from_flash(const Field* field) {
     Field copy;
 #ifdef __AVR__
     memcpy_P(&copy, field, sizeof copy);
@@ -54,14 +57,14 @@ Field copied(const Field* field) {
 
 }  // namespace
 
-Field setting_field(uint8_t index) { return copied(&kSettingFields[index]); }
-Field trim_field(uint8_t index) { return copied(&kTrimFields[index]); }
-Field gait_field(uint8_t index) { return copied(&kGaitFields[index]); }
-Field joint_angle_field() { return copied(&kJointAngle); }
+Field setting_field(uint8_t index) { return copy_from_flash(&kSettingFields[index]); }
+Field trim_field(uint8_t index) { return copy_from_flash(&kTrimFields[index]); }
+Field gait_field(uint8_t index) { return copy_from_flash(&kGaitFields[index]); }
+Field joint_angle_field() { return copy_from_flash(&kJointAngle); }
 
 bool in_range(const Field& field, int32_t value_u) {
-    const bool may_be_off = strcmp(field.name, "silence") == 0 || strcmp(field.name, "limp") == 0;
-    if (value_u == 0 && may_be_off) return true;
+    const bool accepts_off = strcmp(field.name, "silence") == 0 || strcmp(field.name, "limp") == 0;
+    if (value_u == 0 && accepts_off) return true;
     if (value_u == 0 && strcmp(field.name, "dir") == 0) return false;
     return value_u >= field.low_u && value_u <= field.high_u;
 }

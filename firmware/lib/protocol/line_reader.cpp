@@ -1,4 +1,5 @@
-// A line that is too long or has a foreign byte is read to its end and reported once, there.
+// Collects the bytes of a line. A line that is too long or has a byte outside printable ASCII is
+// read to its end, and its fault is reported there, once.
 #include "line_reader.h"
 
 namespace firmware {

@@ -3,11 +3,11 @@
 // A copy is: age, layout, number of joints, the settings, the trims of each joint, CRC (2). The age
 // is 0, 1 or 2, and that of the newer copy follows that of the older one; after 2 comes 0. Saving
 // overwrites the older copy: its age goes first, then all else is written, and the new age comes
-// last. A copy that a power cut left half-written has no age: that is certain, not merely likely.
-// The CRC is there for bytes that go bad later.
+// last. So a copy that a power cut left half-written never has an age, whatever its bytes are. The
+// CRC detects bytes that change later.
 //
-// A copy of another layout counts as none. Of a copy for another number of joints, the trims of the
-// joints that both have are taken, and the others keep their defaults.
+// A copy with another layout is ignored. If a copy was saved for another number of joints, the
+// trims of the joints that both boards have are loaded; the other joints keep their defaults.
 #pragma once
 
 #include "eeprom.h"
@@ -15,7 +15,13 @@
 
 namespace firmware {
 
-enum class LoadResult : uint8_t { Ok, New, Older, Damaged, Migrated };
+enum class LoadResult : uint8_t {
+    Ok,       // newest copy
+    New,      // no copy: defaults
+    Older,    // only one copy is undamaged
+    Damaged,  // no copy without damage: defaults
+    Migrated  // copy for another number of joints
+};
 
 class Store {
   public:
@@ -31,29 +37,33 @@ class Store {
           damaged_(false),
           good_(false) {}
 
-    // Begin to load the newest whole copy; settings must hold the defaults, and are left alone if
-    // there is none. They must not be used until busy() is over.
+    // Begin to load the newest undamaged copy. The settings must hold the defaults, which remain if
+    // there is no such copy. They must not be used while busy() is true.
     void load(Settings& settings);
-    // Begin to save. The settings must not change until busy() is over.
+    // Begin to save. The settings must not change while busy() is true.
     void save(Settings& settings);
 
     bool busy() const { return job_ != None; }
-    bool saving() const { return saving_; }  // the job, or the last one
-    // Read or write one byte; true when that ended the job.
+    // Whether the present job, or the last one if none runs, is a save.
+    bool saving() const { return saving_; }
+    // Read or write one byte. Return whether this ended the load or save.
     bool step();
 
-    LoadResult load_result();                         // by the last load
-    bool loaded() const { return newest_ != kNone; }  // there was a copy to load
-    bool good() const { return good_; }               // the last save reads back
+    LoadResult load_result();  // result of the last load
+    // Whether there was an undamaged copy.
+    bool loaded() const { return newest_ != kNone; }
+    // After a save: whether the new copy was read back without damage.
+    bool good() const { return good_; }
 
     static const uint8_t kLayout = 3;
-    static const uint8_t kHead = 3;
+    static const uint8_t kHead = 3;  // bytes before the settings: age, layout, joints
+    // The two places for copies are slots 0 and 1; a record is a copy with its CRC.
     static uint16_t slot_address(uint8_t slot);
     static uint16_t record_size(uint8_t joints);
 
   private:
     enum Job : uint8_t { None, Check, Copy, Write };
-    static const uint8_t kNone = 0xFF;  // no slot; as an age: no copy
+    static const uint8_t kNone = 0xFF;  // as a slot: none; as an age: half-written or never written
 
     void begin(Job job, uint8_t slot);
     uint8_t read(uint16_t offset);
@@ -65,7 +75,7 @@ class Store {
 
     Eeprom& eeprom_;
     uint8_t* settings_;
-    uint16_t crc_, offset_;  // offset_: of the byte in its copy
+    uint16_t crc_, offset_;  // offset_: next byte, from the start of the copy
     Job job_;
     uint8_t slot_, newest_;
     bool saving_, damaged_, good_;
