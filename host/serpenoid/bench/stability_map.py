@@ -146,7 +146,7 @@ def measure(quick: bool, tell: Callable[[str], None]) -> Iterator[Cell]:
                 limit_s = largest_stable_step_s(scene_of(*line))
                 values, note = child(30.0, line_of_growth, line, steps_s, count)
                 for dt_s, value in zip(steps_s, values or cycle([math.nan]), strict=False):
-                    yield Cell(*line, dt_s, value, limit_s, note)
+                    yield Cell(*line, dt_s=dt_s, growth=value, limit_s=limit_s, note=note)
 
 
 def stability_figure(cells: Sequence[Cell], path: Path) -> None:
