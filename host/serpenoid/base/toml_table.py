@@ -1,4 +1,4 @@
-"""Read files that people type: whatever is unknown, missing or out of range names file and line."""
+"""Read TOML files that people type; a message on a wrong value names its file and line."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ else:
 
 @dataclass(frozen=True)
 class Table:
-    """One table of a TOML file, which names file and line in whatever it finds wrong."""
+    """One table of a TOML file; its methods name file and line of a wrong value."""
 
     values: Mapping[str, Any]
     path: Path
     text: str
-    start: int = 0  # place in text, just behind the table's heading
+    start: int = 0  # position in text just behind the table's heading
 
     @classmethod
     def load(cls, path: Path) -> Table:
@@ -37,16 +37,19 @@ class Table:
         text = read_text(path, most_bytes=1_000_000)  # the parser reads some 2 MB a second
         try:
             return cls.parsed(text, path)
-        except (ValueError, RecursionError) as error:  # ValueError: a number of 5000 digits, too
+        except (ValueError, RecursionError) as error:  # a number of 5000 digits is a ValueError
             raise BadInput(f"{path}: not TOML: {error}") from error
 
     @classmethod
     def parsed(cls, text: str, path: Path) -> Table:
-        """Read a text that stands in the file `path`; raises ValueError where it is no TOML."""
+        """Read the text of the file `path`; raises ValueError if it is not TOML."""
         return cls(tomllib.loads(text), path, text)
 
     def check_format(self, newest: int, older: str = "") -> None:
-        """Raise BadInput unless the file's format is the newest. older: what others had or need."""
+        """Raise BadInput unless the file's format is the newest.
+
+        older: the message's words on files of an older format.
+        """
         if "format" not in self.values:
             lacks = "has no format" if self.values else "is empty"
             raise BadInput(f"{self.path}: the file {lacks}; it must begin with format = {newest}")
@@ -62,33 +65,36 @@ class Table:
 
     @property
     def heading(self) -> str:
-        """Return file and line of the table's own heading; of a file's top table, the file."""
+        """Return file and line of the table's heading; the file alone for its top table."""
         return self._line(self.start)
 
-    def _line(self, end: int) -> str:
-        """Return the file, and the line of a place behind its beginning."""
-        return f"{self.path}:{self.text.count(chr(10), 0, end) + 1}" if end else str(self.path)
+    def _line(self, position: int) -> str:
+        """Return the file and the line of a position in its text; the file alone for 0."""
+        if not position:
+            return str(self.path)
+        return f"{self.path}:{self.text.count(chr(10), 0, position) + 1}"
 
     def _find(self, key: str) -> int:
-        """Return where in the text a key or a table's heading ends, or 0."""
+        """Return the position in the text where a key or a table's heading ends; 0 if absent."""
         pattern = re.compile(rf"^[ \t]*\[?[ \t]*\"?{re.escape(key)}\"?[ \t]*[=\]]", re.MULTILINE)
         match = pattern.search(self.text, self.start)
         return match.end() if match else 0
 
     def only(self, *names: str, optional: tuple[str, ...] = ()) -> None:
-        """Raise BadInput unless there are these keys, all but the optional, and no other."""
+        """Raise BadInput unless the table has all keys `names`, and no others but optional ones."""
         unknown = next((key for key in self.values if key not in names + optional), "")
         check_names(self.values, names, self.where(unknown), "key", optional)
 
     def without_removed(self, removed: Mapping[str, str]) -> Table:
-        """Return the table without settings that this version lacks: key -> what to do.
+        """Return the table without its removed settings.
 
-        A setting of 0 had no effect. Any other raises BadInput: the answer would be another one.
+        removed: key -> advice for its user. A setting of 0 had no effect. With any other value the
+        results would change, so it raises BadInput.
         """
-        for key, what in removed.items():
+        for key, advice in removed.items():
             value = self.values.get(key, 0)
             if any(value) if isinstance(value, list) else value != 0:
-                raise BadInput(f"{self.where(key)}: {key} is {value!r}; {what}")
+                raise BadInput(f"{self.where(key)}: {key} is {value!r}; {advice}")
         values = {key: value for key, value in self.values.items() if key not in removed}
         return replace(self, values=values)
 
@@ -99,7 +105,7 @@ class Table:
         return Table(self.values[name], self.path, self.text, self._find(name))
 
     def string(self, name: str) -> str:
-        """Return a string that says something."""
+        """Return a string that is not blank."""
         with located(self.where(name)):
             return check_text(name, self.values[name])
 
@@ -140,7 +146,10 @@ def check_names(
     what: str,
     optional: tuple[str, ...] = (),
 ) -> None:
-    """Raise BadInput unless the names given are those needed or optional, each once, any order."""
+    """Raise BadInput unless all needed names are there, once each, and no others but optional ones.
+
+    where: file and line, or option. what: the word for a name in messages, such as "key".
+    """
     names = list(names)
     for name in names:
         if name not in needed + optional:

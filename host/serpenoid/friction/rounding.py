@@ -62,8 +62,9 @@ def set_points(
 ) -> tuple[float, Integers] | None:
     """Return the inclinometer's step, rad, and the treadmill's step number of each reading.
 
-    The numbers count from an arbitrary one. None if the readings are no multiples of a step, or not
-    at steps of grade_step, the tangent of the incline.
+    grade_step: the treadmill's step, as a tangent of the incline. The step numbers count from an
+    arbitrary incline. None if the readings are not multiples of the inclinometer's step, or if the
+    treadmill's steps do not explain them.
     """
     step_rad = shown_step_rad(shown_rad, sigma_rad) if len(shown_rad) else None
     if step_rad is None or grade_step < STEPS.min_ratio * step_rad:
@@ -78,9 +79,9 @@ def set_points(
 
 
 def _phases(set_point: Integers, step_rad: float, grade_step: float) -> tuple[Floats, Floats]:
-    """Return the true inclines in the inclinometer's steps, as samples.
+    """Return samples of the true inclines at the first set point, and at all set points.
 
-    They are those of the first set point, (samples,), and of all, (samples, points).
+    Their shapes are (samples,) and (samples, points); their unit is the inclinometer's step.
     """
     from scipy.special import ndtri
 
@@ -120,10 +121,10 @@ def shared_rounding(
 def nearest_shown(
     wanted_rad: float, shown_rad: Floats, sigma_rad: float, grade_step: float
 ) -> float:
-    """Return the incline, rad, that the inclinometer will show at the set point nearest to one.
+    """Return the incline, rad, that the inclinometer will show at the nearest set point.
 
-    shown_rad: (readings,) so far, which determine the treadmill's set points. If they do not, the
-    result is wanted_rad itself.
+    wanted_rad: the wanted incline. shown_rad: (readings,) so far, which determine the treadmill's
+    set points. If they determine none, the result is wanted_rad itself.
     """
     grid = set_points(shown_rad, sigma_rad, grade_step)
     if grid is None:

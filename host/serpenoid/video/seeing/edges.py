@@ -1,9 +1,9 @@
 """A tag's corners from its edges: where grey passes the middle between black border and white rim.
 
 The detector's corners stand on whole pixels of the contour; they give the place to look at. Along
-each edge the grey profile across it is read, a line is laid through the crossings, and neighbouring
-lines are cut. A second look starts from these: a blurred tag's contour is so far off that the first
-profiles end before the grey does, and the tag comes out too small across its motion.
+each edge grey profiles across it are read, a line is fitted to their crossings, and neighbouring
+lines intersect in the corners. A second pass starts from these corners, because the contour of a
+blurred tag is so far off that the first profiles may end before white: the tag would be too small.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ import numpy as np
 
 from ..arrays import Array, Complex, Grey
 
-ALONG = np.linspace(0.1, 0.9, 13)  # Places along an edge where it is read, over its length.
+ALONG = np.linspace(0.1, 0.9, 13)  # Positions of the profiles along an edge, over its length.
 CELLS = 6  # Cells along a side of a tag, its black border included.
-ACROSS = np.linspace(-1.0, 1.0, 25)  # Places across an edge where grey is read, over the reach.
+ACROSS = np.linspace(-1.0, 1.0, 25)  # Positions across an edge where grey is read, over the reach.
 
 
-@np.errstate(invalid="ignore", divide="ignore")  # of edges that cannot be read
+@np.errstate(invalid="ignore", divide="ignore")  # edges that cannot be read give NaN
 def refine(picture: Grey, quads: Array) -> tuple[Array, Array]:
     """Return corners (tags, 4, 2) and each tag's edge width, px.
 
@@ -32,16 +32,17 @@ def refine(picture: Grey, quads: Array) -> tuple[Array, Array]:
 
 
 def _refined(picture: Grey, quads: Array) -> tuple[Array, Array]:
-    """Return corners and widths as `refine` does, from one look; points are complex, x + i y."""
+    """Return corners and widths as `refine` does, from one pass; points are complex, x + i y."""
     import cv2
 
     start: Any = quads @ [1, 1j]
     end = np.roll(start, -1, axis=1)
     edge = end - start
-    # Clockwise on a picture whose y points down: outside is to the left of the way along.
+    # In a picture whose y points down, the outside is to the left of clockwise edges.
     outward = -1j * edge / np.abs(edge)
-    # A tag seen aslant is narrower one way: across an edge, a cell is as wide as the area tells.
-    # Half a cell of border and rim is read, at most 8 px: in steps below a pixel.
+    # A tag seen aslant is narrower in one direction, so the tag's area gives the width of a cell
+    # across an edge. Half a cell of border and rim is read; at most 8 px, so that points are less
+    # than a pixel apart.
     area = 0.5 * np.abs(_cross(start, end).sum(axis=1, keepdims=True))
     reach = np.minimum(0.5 / CELLS * area / np.maximum(np.abs(edge), 1e-6), 8.0)[..., None]
     base = start[..., None] + ALONG * edge[..., None]
@@ -50,12 +51,12 @@ def _refined(picture: Grey, quads: Array) -> tuple[Array, Array]:
     x, y = np.moveaxis(flat.astype(np.float32), -1, 0)
     grey = cv2.remap(picture, x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
     offset, width = _crossings(grey.reshape(places.shape).astype(float))
-    corners = _cut(start, edge, outward, _lines(offset * reach))
+    corners = _intersections(start, edge, outward, _lines(offset * reach))
     rows = len(quads), -1
     widths = _median((width * reach).reshape(rows))
     is_read = np.isfinite(corners).all(axis=(1, 2))
     is_read &= np.abs(corners - quads).max(axis=(1, 2)) < 2 * reach.max(axis=(1, 2))
-    # A rim that the picture cuts off tells no edge.
+    # Edges whose rim is cut off by the picture cannot be read.
     in_picture = (flat >= 0) & (flat <= np.array(picture.shape[::-1]) - 1)
     is_read &= in_picture.reshape(rows).all(axis=1)
     return np.where(is_read[:, None, None], corners, quads), np.where(is_read, widths, np.nan)
@@ -67,14 +68,15 @@ def _cross(a: Complex, b: Complex) -> Array:
 
 
 def _crossings(profile: Array) -> tuple[Array, Array]:
-    """Return where profiles (..., points) pass their middle, NaN where not, and how wide they rise.
+    """Return the positions where profiles (..., points) pass their middle, and the rises' widths.
 
-    Both in units of the reach.
+    Both are in units of the reach, and NaN where there is no edge.
     """
     dark, bright = profile[..., :3].mean(axis=-1), profile[..., -3:].mean(axis=-1)
     rise = bright - dark
-    # A lamp's reflection lifts the black while white can rise no further: there the edge is where
-    # black has risen by half of what it rises elsewhere. Blur lifts black, but lowers white, too.
+    # A lamp's reflection brightens the black, while white is at its brightest already. There the
+    # middle is taken from the usual rise, the median of the profiles without reflection. Blur
+    # brightens the black too, but darkens the white.
     top = np.quantile(bright, 0.95)
     washed = (bright > top - 5.0) & (dark > np.quantile(dark, 0.2) + 15.0)  # grey levels
     if not washed.all():
@@ -82,7 +84,7 @@ def _crossings(profile: Array) -> tuple[Array, Array]:
     share = (profile - dark[..., None]) / rise[..., None]
     start, middle, end = (_passes(share, level) for level in (0.25, 0.5, 0.75))
     contrast = np.quantile(rise, 0.5, axis=(-2, -1), keepdims=True)
-    # An edge rises by half of the contrast of the picture's edges, and by 12 grey levels.
+    # An edge rises by at least half of its tag's median rise, and by at least 12 grey levels.
     is_edge = rise > np.maximum(0.5 * contrast, 12.0)
     offset, width = np.where(is_edge, [middle, np.abs(end - start)], np.nan)
     return offset, width
@@ -123,8 +125,8 @@ def _line(offset: Array) -> Array:
     return np.where((n >= fewest_points)[..., None], line, np.nan)
 
 
-def _cut(start: Complex, edge: Complex, outward: Complex, lines: Array) -> Array:
-    """Return where each edge's line meets that of the edge before it, (tags, 4, 2)."""
+def _intersections(start: Complex, edge: Complex, outward: Complex, lines: Array) -> Array:
+    """Return the intersection of each edge's line with the previous edge's line, (tags, 4, 2)."""
     point = start + lines[..., 0] * outward
     direction = edge + lines[..., 1] * outward
     last_point, last_direction = np.roll([point, direction], 1, axis=2)
