@@ -8,10 +8,11 @@ the expectation a sigma and the standard deviation b sigma:
 
     a = sqrt(2/pi) mean(s_i),   b^2 = (2/pi) / n^2 sum s_i s_j (sqrt(1 - rho^2) + rho asin rho - 1),
 
-with s_i^2 = S_ii and rho = S_ij / (s_i s_j). Links bent by more than delta gain on one side what
-they lose on the other, so that to first order their dry friction does not depend on delta. In a
-bend only the straight links count therefore. Steering aligns two of them with the path exactly, so
-that a and b are 0 unless there are three.
+with s_i^2 = S_ii and rho = S_ij / (s_i s_j). Of bent links, those bent to one side gain the drag
+that those bent to the other side lose, so that to first order their dry friction does not depend on
+delta. So only the straight links count. Steering aligns two of them with the path exactly, so that
+a and b are 0 unless there are three or more. The mean |delta| of the straight links, times their
+share of all links, is called the stray angle.
 """
 
 from __future__ import annotations
@@ -41,15 +42,15 @@ class Bends:
     """The bends of N readings.
 
     lambda_rad: (N,). share: share of the links that are bent, (N,). posture: index of each
-    reading's bend, -1 if straight, (N,). off_rad: mean and standard deviation of the straight
-    links' mean |angle| to the path, times their share of all links, (2, N). angle_rad: the angle of
-    each bend. errors: the parameter of each bend's error, rad.
+    reading's bend, -1 if straight, (N,). stray_rad: mean and standard deviation of the stray
+    angle, (2, N). angle_rad: the angle of each bend. errors: the parameter of each bend's error,
+    rad.
     """
 
     lambda_rad: Floats
     share: Floats
     posture: Integers
-    off_rad: Floats
+    stray_rad: Floats
     angle_rad: tuple[float, ...]
     errors: tuple[Parameter, ...]
 
@@ -62,7 +63,7 @@ class Bends:
         share = np.array([session.bent_share(r) for r in readings], dtype=float)
         bent = np.round(share * links).astype(int).tolist()
         factors = np.array([straightness_factors(links, b) for b in bent]).reshape(-1, 2).T
-        off_rad = instruments.joint_sigma_rad * (1.0 - share) * factors
+        stray_rad = instruments.joint_sigma_rad * (1.0 - share) * factors
         posture, angles = _postures(session, readings, instruments.lambda_sigma_rad)
         errors: dict[str, Parameter] = {}
         for angle in angles:
@@ -71,22 +72,23 @@ class Bends:
                 name += "_again"
             errors[name] = Parameter(name, sigma=instruments.lambda_sigma_rad)
         lambda_rad = np.array([r.lambda_rad for r in readings], dtype=float)
-        return cls(lambda_rad, share, posture, off_rad, angles, tuple(errors.values()))
+        return cls(lambda_rad, share, posture, stray_rad, angles, tuple(errors.values()))
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Return the bends' errors, their common part, and the straight links' mean angle."""
+        """Return the parameters of the bends' errors, their common part, and the stray angle."""
         common = (Parameter(COMMON_ERROR, sigma=1.0),) if len(self.errors) > 1 else ()
-        mean, sigma = self.off_rad
+        mean, sigma = self.stray_rad
         unsure = sigma > 0.0
         if not unsure.any():
             return (*common, *self.errors)
+        # No stray angle is negative.
         low = float((-mean[unsure] / sigma[unsure]).max())
         return (*common, *self.errors, Parameter(STRAIGHTNESS, sigma=1.0, low=low))
 
-    def astray_rad(self, values: Values) -> Floats:
-        """Return the straight links' mean |angle| to the path, times their share, (K or 1, N)."""
-        mean, sigma = self.off_rad
+    def stray_angles_rad(self, values: Values) -> Floats:
+        """Return the stray angle of each reading, (K or 1, N)."""
+        mean, sigma = self.stray_rad
         return (
             mean + sigma * values[STRAIGHTNESS][:, None] if STRAIGHTNESS in values else mean[None]
         )
@@ -122,22 +124,21 @@ def resistance(
     frictions: Floats,
     bent_share: Floats | float,
     angle_rad: Floats | float,
-    astray_rad: Floats | float = 0.0,
+    stray_rad: Floats | float = 0.0,
 ) -> tuple[Floats, Floats]:
     """Return A, N s/m, and B, N, of the whole snake's friction A v + B along its path, (..., N).
 
-    frictions: (..., 4), in the order of FRICTIONS. astray_rad: the straight links' mean |angle| to
-    the path, times their share.
+    frictions: (..., 4), in the order of FRICTIONS. stray_rad: stray angle.
     """
     ct, cn, ft0, fn0 = np.moveaxis(frictions, -1, 0)[..., None]
     by_ct, by_cn, by_ft0, by_fn0 = projections(bent_share, angle_rad)
-    return ct * by_ct + cn * by_cn, ft0 * by_ft0 + fn0 * (by_fn0 + astray_rad)
+    return ct * by_ct + cn * by_cn, ft0 * by_ft0 + fn0 * (by_fn0 + stray_rad)
 
 
 def straightness_factors(links: int, bent: int = 0) -> tuple[float, float]:
-    """Return a and b: mean and standard deviation of the straight links' mean |delta| over sigma.
+    """Return a and b, mean and standard deviation of the straight links' mean |delta| in sigmas.
 
-    links: number of links. bent: number of bent links, half of them at either end.
+    links: number of links. bent: number of bent links, half of them at each end.
     """
     straight = links - bent
     if straight <= STEERED_LINKS:

@@ -1,4 +1,4 @@
-"""Every push beside the law that was fitted, for pictures."""
+"""Measured and fitted paths of all pushes, for pictures."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from .pushes import Pushes
 
 
 def push_paths(session: Session) -> Iterator[tuple[Push, Floats, Floats, Floats]]:
-    """Yield each kept push with its times, s, its ways and those of the law as it was fitted, m.
+    """Yield each kept push with its times, s, and its measured and fitted distances, m.
 
-    Of a push that is known by its rest alone there is that one. Raises BadInput and NotConverged as
-    fits do.
+    A push of which only the end is known has a single row. Raises BadInput and NotConverged as fits
+    do.
     """
     estimate = map_estimate(session)
     for pushes in estimate.posterior.kinds:

@@ -151,8 +151,8 @@ class Pushes:
 
         share: share of the links that are at these angles to the path.
         """
-        frictions, astray = frictions_in(values), self.bends.astray_rad(values)
-        viscous, dry = resistance(frictions, share, angles, astray)
+        frictions, stray_rad = frictions_in(values), self.bends.stray_angles_rad(values)
+        viscous, dry = resistance(frictions, share, angles, stray_rad)
         wheels = values[WHEELS][:, None] if WHEELS in values else self.wheels[0]
         inert = 1.0 + wheels * projections(share, angles)[0]
         mass, scale = self.mass_kg * inert, np.ones(len(self.tracks))

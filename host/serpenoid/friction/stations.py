@@ -171,7 +171,7 @@ class Stations:
     ) -> tuple[Floats, Floats, Floats]:
         """Return excess force and its sigma, N, and its derivative by incline, N/rad, (K, N)."""
         bends, angles = self.bends, self.bends.angles_rad(values)
-        law = frictions_in(values), bends.share, angles, bends.astray_rad(values)
+        law = frictions_in(values), bends.share, angles, bends.stray_angles_rad(values)
         viscous, dry = resistance(*law)
         incline = self.incline_rad - values[ZERO][:, None] - rounding_rad
         belt = values[BELT][:, None] if self.belt_sigma else 1.0

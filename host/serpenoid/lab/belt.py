@@ -13,10 +13,10 @@ from .robot import LabRobot, check_answer
 
 @dataclass(frozen=True, slots=True)
 class Sight:
-    """Where a robot is: t_s, s; along (downhill) and across from the belt's middle, m; heading.
+    """Position and heading of a robot at a time.
 
-    heading_rad: of the line from tail to head, 0 where it runs down the belt (up it, where the
-    robot faces up).
+    t_s: time, s. along_m, across_m: distance from the belt's middle, downhill and to the left, m.
+    heading_rad: direction from tail to head, 0 downhill.
     """
 
     t_s: float
@@ -28,8 +28,8 @@ class Sight:
 class Belt:
     """Hold a treadmill and the robot on it. The frame is the room's, x downhill along the belt.
 
-    speed_m_s: the belt's true speed now, uphill. pose_rad: where the joints are told to stand, the
-    steering left out.
+    speed_m_s: the belt's present speed, uphill. pose_rad: commanded joint angles without the
+    steering offset.
     """
 
     def __init__(self, robot: LabRobot, *, gravity_m_s2: float = 9.81):
@@ -44,16 +44,16 @@ class Belt:
         self._chain.set_slope(self._gravity * math.sin(incline_rad), 0.0)
 
     def run(self, speed_m_s: float) -> None:
-        """Set the belt's speed, uphill; it gets there at its own haste."""
+        """Set the wanted speed of the belt, uphill; `wait` lets the belt approach it."""
         self._wanted_m_s = speed_m_s
 
     def pose(self, set_rad: Sequence[float]) -> None:
-        """Bend the robot, off the belt: what its joints are told."""
+        """Bend the robot off the belt. set_rad: commanded joint angles."""
         self.pose_rad, self._offset = list(set_rad), 0.0
         self._chain.set_joints(self._joints())
 
     def steer(self, offset_rad: float) -> None:
-        """Add an offset to every joint, at the rate of a board, while the robot is where it is."""
+        """Add an offset to every joint on the belt; joints turn at the rate that a board uses."""
         self._offset = offset_rad
         self._chain.aim(self._joints(), math.radians(2.0))
 
@@ -64,7 +64,7 @@ class Belt:
         push_m_s: float = 0.0,
         push_rad_s: float = 0.0,
     ) -> None:
-        """Let the robot go in the middle of the belt, held still before but for the push."""
+        """Place the robot on the belt and let it go, at rest in the room but for a push."""
         self.speed_m_s = self._wanted_m_s
         chain = self._chain
         chain.set_ground_velocity(-self.speed_m_s, 0.0)
@@ -73,14 +73,14 @@ class Belt:
         chain.place(0.0, across_m, heading_rad - self._heading_rad(), push_m_s, 0.0, push_rad_s)
 
     def wait(self, duration_s: float) -> None:
-        """Let time pass; the belt changes its speed by 0.25 m/s². Raises NotConverged."""
+        """Let time pass; the belt's speed changes by at most 0.25 m/s². Raises NotConverged."""
         remaining_s, rounding_s = duration_s, 1e-9
         while remaining_s > rounding_s:
             dt = min(remaining_s, 0.1) if self.speed_m_s != self._wanted_m_s else remaining_s
             change = 0.25 * dt
             self.speed_m_s += min(max(self._wanted_m_s - self.speed_m_s, -change), change)
             self._chain.set_ground_velocity(-self.speed_m_s, 0.0)
-            # Ten times shorter steps turn the zigzag of 6 s 0.005 deg less.
+            # With ten times shorter steps, a zigzag turns 0.005 deg less in 6 s.
             check_answer(self._chain.advance(dt, 0.004))
             self.t_s += dt
             remaining_s -= dt
@@ -91,7 +91,7 @@ class Belt:
         return Sight(self.t_s, x, y, self._heading_rad())
 
     def _heading_rad(self) -> float:
-        """Return the direction from the tail's end to the head's: that of all links' sum."""
+        """Return the direction from the tail's end to the head's end."""
         angles = np.reshape(self._chain.places, (-1, 3))[:, 2]
         return math.atan2(np.sin(angles).sum(), np.cos(angles).sum())
 

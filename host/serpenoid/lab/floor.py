@@ -34,10 +34,10 @@ class Track:
 
 @dataclass(frozen=True)
 class Push:
-    """How a hand pushes: speed_m_s when it lets go, over REACH_M.
+    """How a hand pushes over REACH_M.
 
-    heading_rad, rate_rad_s: by how much the robot is let go crooked, and turning. direction_rad:
-    of the push in the room; turn round for the other way.
+    speed_m_s: speed at release. direction_rad: direction of the push in the room; add pi for the
+    way back. heading_rad: heading relative to the push. rate_rad_s: rate of turn at release.
     """
 
     speed_m_s: float
@@ -59,25 +59,25 @@ class Floor:
         heading = push.direction_rad + push.heading_rad
         c, s = math.cos(push.direction_rad), math.sin(push.direction_rad)
         t = np.arange(0.0, hand_s, FRAME_S)
-        way = 0.5 * push.speed_m_s / hand_s * t**2 - REACH_M
-        begun = np.stack([t, c * way, s * way, np.full_like(t, heading)], axis=1)
+        along_m = 0.5 * push.speed_m_s / hand_s * t**2 - REACH_M
+        hand_rows = np.stack([t, c * along_m, s * along_m, np.full_like(t, heading)], axis=1)
         rates = c * push.speed_m_s, s * push.speed_m_s, push.rate_rad_s
         joints = self.robot.true_joints(pose_rad)
         chain = self._placed(self.robot.chain(), joints, heading, rates)
-        bend, rolled = _mean_bend(joints), []
+        bend, free_rows = _mean_bend(joints), []
         rest_m_s, rest_rad_s = 1e-6, 1e-5
         for k in range(6000):  # a minute at most
             x, y, theta, vx, vy, w, _ = chain.state
-            rolled.append((k * FRAME_S + hand_s, x, y, theta + bend))
+            free_rows.append((k * FRAME_S + hand_s, x, y, theta + bend))
             if k and math.hypot(vx, vy) < rest_m_s and abs(w) < rest_rad_s:
                 break
             check_answer(chain.advance(FRAME_S, STEP_S))
-        return Track(*np.concatenate([begun, rolled]).T, released_s=hand_s)
+        return Track(*np.concatenate([hand_rows, free_rows]).T, released_s=hand_s)
 
     def driven(self, gait: Gait, duration_s: float, frame_s: float) -> tuple[Track, Array]:
-        """Drive the robot's joints through a gait from rest; return its track and true angles.
+        """Return the track and the true joint angles of a robot that runs a gait from rest.
 
-        A servo gets a setpoint each of its own frames; without one there is a row each frame_s.
+        Servos get a setpoint in each of their own frames; without servos, frame_s is the frame.
         """
         servo, joints = self.robot.servo, np.arange(self.robot.body.links - 1)
         frame_s = servo.frame_s if servo else frame_s
@@ -86,14 +86,14 @@ class Floor:
         return self.follow(swing + np.array(self.robot.joint_error_rad), frame_s)
 
     def follow(self, setpoints_rad: Array, frame_s: float) -> tuple[Track, Array]:
-        """Give the joints a row of setpoints (K, n-1) each frame, from rest at the first.
+        """Return the track and the true joint angles at the end of each frame.
 
-        Servos follow them as they can, joints without one in straight lines. Return the track, a
-        row at the end of each frame, and the joints' true angles there.
+        setpoints_rad: (K, n-1), a row for each frame; the robot starts from rest at the first row.
+        Without servos the joints move at a constant rate from one row to the next.
         """
         servo = self.robot.servo
         chain = self._placed(self.robot.chain(servo), setpoints_rad[0].tolist())
-        # With a servo the speed is then some 0.2 % off, 3 % without its rotor.
+        # This step makes speeds with a servo some 0.2 % wrong, 3 % if the servo has no rotor.
         step_s = 5e-4 if servo else STEP_S
         rows = chain.follow(np.ascontiguousarray(setpoints_rad), frame_s, step_s)
         check_answer(len(rows) == len(setpoints_rad) and bool(np.isfinite(rows).all()))
@@ -114,5 +114,5 @@ class Floor:
 
 
 def _mean_bend(joints: Sequence[float]) -> float:
-    """Return the mean angle of the links to link 1."""
+    """Return the mean of the links' angles relative to link 1, rad."""
     return float(np.cumsum(joints).sum()) / (len(joints) + 1)
