@@ -6,46 +6,51 @@
 
 namespace serpenoid {
 
+// The names are those of explicit_model.hpp: r, b and s'' (turn_accel) of link i, half_ and
+// last_half_ for half of this link and of the previous one; the sums are over all links.
 TailMotion tail_motion(const Robot& robot, const double* joint_accel, Chain& k) {
-    const double l = robot.l, m = robot.m, mass = robot.n * m, share = 1.0 / robot.n;
-    double fx = k.fx[0], fy = k.fy[0], moment = 0, Rx = 0, Ry = 0, square = 0, turns = 0;  // sums
-    double rx = 0, ry = 0, known_x = 0, known_y = 0, turn = 0;  // r, b, s'' of a link
-    double last_x = l * k.c[0], last_y = l * k.s[0];
+    const double l = robot.l, m = robot.m, mass = robot.n * m, per_link = 1.0 / robot.n;
+    double fx = k.fx[0], fy = k.fy[0], moment = 0, sum_rx = 0, sum_ry = 0, sum_r_square = 0,
+           sum_turn_accel = 0;
+    double rx = 0, ry = 0, b_x = 0, b_y = 0, turn_accel = 0;
+    double last_half_x = l * k.c[0], last_half_y = l * k.s[0];
     const double first_square = k.omega[0] * k.omega[0];
-    double last_known_x = -first_square * last_x, last_known_y = -first_square * last_y;
+    double last_half_b_x = -first_square * last_half_x, last_half_b_y = -first_square * last_half_y;
     k.ax[0] = 0;
     k.ay[0] = 0;
     k.alpha[0] = 0;
     for (int i = 1; i < k.n(); ++i) {
-        turn += joint_accel[i - 1];
+        turn_accel += joint_accel[i - 1];
         const double rate_square = k.omega[i] * k.omega[i];
         const double half_x = l * k.c[i], half_y = l * k.s[i];  // half a link
-        const double half_known_x = -turn * half_y - rate_square * half_x;
-        const double half_known_y = turn * half_x - rate_square * half_y;
-        rx += last_x + half_x;
-        ry += last_y + half_y;
-        known_x += last_known_x + half_known_x;
-        known_y += last_known_y + half_known_y;
-        last_x = half_x;
-        last_y = half_y;
-        last_known_x = half_known_x;
-        last_known_y = half_known_y;
-        k.ax[i] = known_x;
-        k.ay[i] = known_y;
-        k.alpha[i] = turn;
-        const double gx = k.fx[i] - m * known_x, gy = k.fy[i] - m * known_y;
+        const double half_b_x = -turn_accel * half_y - rate_square * half_x;
+        const double half_b_y = turn_accel * half_x - rate_square * half_y;
+        rx += last_half_x + half_x;
+        ry += last_half_y + half_y;
+        b_x += last_half_b_x + half_b_x;
+        b_y += last_half_b_y + half_b_y;
+        last_half_x = half_x;
+        last_half_y = half_y;
+        last_half_b_x = half_b_x;
+        last_half_b_y = half_b_y;
+        k.ax[i] = b_x;
+        k.ay[i] = b_y;
+        k.alpha[i] = turn_accel;
+        const double gx = k.fx[i] - m * b_x, gy = k.fy[i] - m * b_y;
         fx += gx;
         fy += gy;
         moment += rx * gy - ry * gx;
-        Rx += rx;
-        Ry += ry;
-        square += rx * rx + ry * ry;
-        turns += turn;
+        sum_rx += rx;
+        sum_ry += ry;
+        sum_r_square += rx * rx + ry * ry;
+        sum_turn_accel += turn_accel;
     }
-    // without x'' and y'': the inertia about the centre
-    const double J = robot.n * robot.I + m * (square - share * (Rx * Rx + Ry * Ry));
-    const double alpha = (moment - robot.I * turns + share * (Ry * fx - Rx * fy)) / J;
-    return {(fx + m * Ry * alpha) / mass, (fy - m * Rx * alpha) / mass, alpha};
+    // Elimination of x'' and y'' leaves the inertia about the centre of mass.
+    const double J =
+        robot.n * robot.I + m * (sum_r_square - per_link * (sum_rx * sum_rx + sum_ry * sum_ry));
+    const double alpha =
+        (moment - robot.I * sum_turn_accel + per_link * (sum_ry * fx - sum_rx * fy)) / J;
+    return {(fx + m * sum_ry * alpha) / mass, (fy - m * sum_rx * alpha) / mass, alpha};
 }
 
 void explicit_angle(const Robot& robot, const double* joint_accel, Chain& k) {
@@ -59,22 +64,22 @@ void explicit_angle(const Robot& robot, const double* joint_accel, Chain& k) {
 }
 
 void joint_forces(const Robot& robot, const Chain& k, Joints& joints) {
-    JointSums behind;
+    JointSums tail_part;
     for (int i = 0; i + 1 < k.n(); ++i) {
-        behind.add(robot, -k.s[i], k.c[i], k.ax[i], k.ay[i], k.alpha[i], k.fx[i], k.fy[i]);
-        joints.Fx[i] = behind.Fx;
-        joints.Fy[i] = behind.Fy;
-        joints.T[i] = behind.T;
+        tail_part.add(robot, -k.s[i], k.c[i], k.ax[i], k.ay[i], k.alpha[i], k.fx[i], k.fy[i]);
+        joints.Fx[i] = tail_part.Fx;
+        joints.Fy[i] = tail_part.Fy;
+        joints.T[i] = tail_part.T;
     }
 }
 
 // Accelerations of the links from the forces and torques of all joints (Eqs. 1-9).
 static void accelerate(const Robot& r, Chain& k, const Joints& joints) {
-    double px = 0, py = 0, pT = 0;  // of the joint before
+    double px = 0, py = 0, pT = 0;  // F_x, F_y, T of the previous joint; q: of the next one
     for (int i = 0; i < k.n(); ++i) {
-        const bool head = i + 1 == k.n();
-        const double qx = head ? 0 : joints.Fx[i], qy = head ? 0 : joints.Fy[i];
-        const double qT = head ? 0 : joints.T[i];
+        const bool is_head = i + 1 == k.n();
+        const double qx = is_head ? 0 : joints.Fx[i], qy = is_head ? 0 : joints.Fy[i];
+        const double qT = is_head ? 0 : joints.T[i];
         k.ax[i] = (k.fx[i] + qx - px) / r.m;
         k.ay[i] = (k.fy[i] + qy - py) / r.m;
         k.alpha[i] = (qT - pT + r.l * (-k.s[i] * (px + qx) + k.c[i] * (py + qy))) / r.I;
@@ -91,9 +96,10 @@ struct JointRows {
     double previous[9], diagonal[9], next[9], right[3];
 };
 
-// A free joint with a rotor: its phi'' = (T - known) / rotor, known the torque on the rotor.
+// Equations of joint i. joint_input is phi'' of an imposed joint and T* of a free one: the torque
+// on its rotor, so that phi'' = (T - T*) / rotor, or without a rotor its torque T.
 JointRows joint_rows(const Robot& r, const Chain& k, int i, bool imposed, double rotor,
-                     double given_torque) {
+                     double joint_input) {
     const double im = 1 / r.m, lI = r.l / r.I, ll = r.l * lI, iI = 1 / r.I;
     const double a[2] = {-k.s[i], k.c[i]}, b[2] = {-k.s[i + 1], k.c[i + 1]};  // n_i, n_{i+1}
     const double wi = r.l * k.omega[i] * k.omega[i];
@@ -112,7 +118,7 @@ JointRows joint_rows(const Robot& r, const Chain& k, int i, bool imposed, double
     }
     rows.right[0] = (k.fx[i + 1] - k.fx[i]) * im + k.c[i] * wi + k.c[i + 1] * wj;
     rows.right[1] = (k.fy[i + 1] - k.fy[i]) * im + k.s[i] * wi + k.s[i + 1] * wj;
-    rows.right[2] = imposed ? -given_torque : rotor > 0 ? given_torque / rotor : given_torque;
+    rows.right[2] = imposed ? -joint_input : rotor > 0 ? joint_input / rotor : joint_input;
     if (!imposed && rotor == 0) {
         rows.diagonal[8] = 1;
         return rows;
@@ -143,7 +149,7 @@ void explicit_mixed(const Robot& robot, const std::vector<char>& imposed,
         for (int p = 0; p < 3; ++p) {
             for (int q = 0; q < 3; ++q) rhs[4 * p + q] = i < last ? rows.next[3 * p + q] : 0;
             rhs[4 * p + 3] = rows.right[p];
-            for (int j = 0; j < 3 && i > 0; ++j) {  // eliminate the joint before
+            for (int j = 0; j < 3 && i > 0; ++j) {  // eliminate the previous joint
                 const double f = rows.previous[3 * p + j];
                 for (int q = 0; q < 3; ++q)
                     rows.diagonal[3 * p + q] -= f * upper[9 * (i - 1) + 3 * j + q];

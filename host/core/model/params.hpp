@@ -1,12 +1,13 @@
-// Robot, slope and gait in SI units and radians. Python checks the ranges before.
+// Robot, slope and gait in SI units and radians. Python has checked their ranges.
 #pragma once
 
 #include <vector>
 
 #include "model/friction_law.hpp"
 
-// For small parts of right-hand sides. With dozens of their combinations in one translation unit
-// the compiler would otherwise keep calls in the loops, which cost a tenth of the time.
+// For small functions that right-hand sides call in their loops. A translation unit has dozens of
+// instances of these templates. Without this attribute the compiler does not inline all of them,
+// and the calls cost a tenth of the time.
 #define INLINED [[gnu::always_inline]] inline
 
 namespace serpenoid {

@@ -1,4 +1,6 @@
-// Packs in standard C++, for compilers without vectors; a mask has all bits of a lane, or none.
+// Packs (vectors of two lanes) in standard C++, for compilers without vector types.
+//
+// A comparison returns a mask: in each of its lanes all bits are set, or none.
 #pragma once
 
 #include <bit>
@@ -12,8 +14,9 @@ struct PlainPack {
     PlainPack() = default;
     PlainPack(T value) : lane{value, value} {}
     PlainPack(T first, T second) : lane{first, second} {}
-    template <class Bits>
-    explicit PlainPack(const PlainPack<Bits>& source)
+    // The same bits as lanes of another type, like a cast between vector types.
+    template <class Source>
+    explicit PlainPack(const PlainPack<Source>& source)
         : PlainPack(std::bit_cast<PlainPack>(source)) {}
 
     T& operator[](int i) { return lane[i]; }

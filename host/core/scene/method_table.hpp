@@ -1,7 +1,7 @@
-// Every method of runs in time: which scenes it runs.
+// Table of the time integration methods and of the scenes that each can run.
 //
-// The one registry. Python reads it (simulation/scene.py), and refuses with it what a method does
-// not run; run/simulation.cpp has how each is made.
+// Python reads it (simulation/scene.py) and refuses a scene that its method cannot run;
+// run/simulation.cpp constructs the methods.
 #pragma once
 
 #include <stdexcept>
@@ -9,15 +9,16 @@
 
 namespace serpenoid {
 
-// Lists are words (host/serpenoid/model/checks.py) with a blank between them.
+// Formulations and friction laws are lists of names (host/serpenoid/model/checks.py), separated by
+// blanks.
 struct MethodKind {
     const char* name;
     const char* formulations = "explicit implicit";
-    const char* adaptive = "";  // formulations in which it picks its steps; in the others dt_s
+    const char* adaptive = "";  // formulations with step control; others use dt_s
     const char* laws = "viscous dry";
-    bool faults = true;           // runs with limp or locked joints
-    bool holds_dampers = false;   // dampers take the rates of the step before
-    bool makes_friction = false;  // implicit: applies the friction itself, to a system without
+    bool faults = true;           // whether it runs limp and locked joints
+    bool holds_dampers = false;   // whether dampers use the rates of the previous step
+    bool makes_friction = false;  // whether it computes set-valued friction
 
     constexpr bool is(std::string_view text) const { return text == name; }
 };

@@ -95,7 +95,7 @@ void Sticking::add_ratchet(const Contact& contact) {
 }
 
 // Load all forces except those of resting contacts, and compute the accelerations.
-void Sticking::load_sliding(double t, const double* y) {
+void Sticking::load_free_forces(double t, const double* y) {
     mechanics_.load(t, y);
     for (const Contact& contact : contacts_) {
         if (contact.kind == Kind::along) add_ratchet(contact);
@@ -107,11 +107,12 @@ void Sticking::load_sliding(double t, const double* y) {
     free_T_ = mechanics_.driven;
 }
 
-// Compute response_ = mu W mu and pull_ = mu a of the given contacts, after load_sliding().
+// Compute response_ = mu W mu and scaled_acceleration_ = mu a of the given contacts, after
+// load_free_forces().
 void Sticking::set_response(const std::vector<int>& indices) {
     const std::size_t k = indices.size();
     response_.resize(k * k);
-    pull_.resize(k);
+    scaled_acceleration_.resize(k);
     free_acceleration_.resize(k);
     for (std::size_t i = 0; i < k; ++i) free_acceleration_[i] = acceleration(contacts_[indices[i]]);
     for (std::size_t j = 0; j < k; ++j) {
@@ -124,7 +125,7 @@ void Sticking::set_response(const std::vector<int>& indices) {
         }
     }
     for (std::size_t i = 0; i < k; ++i) {
-        pull_[i] = contacts_[indices[i]].dry * free_acceleration_[i];
+        scaled_acceleration_[i] = contacts_[indices[i]].dry * free_acceleration_[i];
         for (std::size_t j = 0; j < i; ++j)
             response_[i * k + j] = response_[j * k + i] =
                 0.5 * (response_[i * k + j] + response_[j * k + i]);
@@ -140,10 +141,10 @@ void Sticking::add_rest_forces(const std::vector<int>& indices) {
 
 // Find the forces of the resting contacts, as shares of their bounds, without regard to the bounds.
 void Sticking::find_shares(double t, const double* y) {
-    load_sliding(t, y);
+    load_free_forces(t, y);
     if (resting_.empty()) return;
     set_response(resting_);
-    box_.minimise_free(response_, pull_, share_);
+    box_.minimise_free(response_, scaled_acceleration_, share_);
 }
 
 void Sticking::forces(double t, const double* y) {
@@ -195,12 +196,12 @@ void Sticking::find_modes(double t, double* y) {
     has_modes_ = true;
     resting_.clear();
     if (slow.empty()) return;
-    load_sliding(t, y);
+    load_free_forces(t, y);
     set_response(slow);
     put_to_rest(slow, y);
-    load_sliding(t, y);
+    load_free_forces(t, y);
     set_response(slow);
-    box_.minimise(response_, pull_, share);
+    box_.minimise(response_, scaled_acceleration_, share);
     for (std::size_t i = 0; i < slow.size(); ++i) {
         Contact& contact = contacts_[slow[i]];
         contact.share = share[i];
@@ -219,7 +220,7 @@ void Sticking::find_modes(double t, double* y) {
 // The force that a contact lacks to stay at rest, over its bound; call set_response() first.
 double Sticking::excess(const std::vector<double>& share, std::size_t i) const {
     const std::size_t k = share.size();
-    double pull = pull_[i];
+    double pull = scaled_acceleration_[i];
     for (std::size_t j = 0; j < k; ++j) pull += response_[i * k + j] * share[j];
     return std::fabs(pull) / response_[i * k + i];
 }
@@ -250,7 +251,7 @@ bool Sticking::find_bounded_shares() {
     const std::size_t k = resting_.size();
     if (std::none_of(share_.begin(), share_.begin() + static_cast<long>(k), beyond)) return false;
     std::vector<double> within = share_;
-    box_.minimise(response_, pull_, within);
+    box_.minimise(response_, scaled_acceleration_, within);
     for (std::size_t i = 0; i < k; ++i)
         if (excess(within, i) > kRest.force_rounding) return false;
     share_ = within;

@@ -1,23 +1,25 @@
 // Set-valued dry friction for explicit mechanics: every contact rests or slides.
 //
-// Every link has two contacts, along and across, each of which rests, slides forwards or slides
-// backwards: the mode. A sliding contact has its dry friction; resting ones have the forces z mu,
-// |z| <= 1, that keep them at rest. Accelerations are linear in the forces. With the directions G
-// of the resting contacts, W = G M^-1 G^T (one solution of the system for each of them), and their
-// accelerations a without these forces, the forces solve  W mu z = -a.  Within a mode the motion is
-// smooth, and methods of high order apply.
+// Every link has two contacts, along and across. A contact rests, slides forwards or slides
+// backwards: this is its mode. A sliding contact has its dry friction mu. A resting one has the
+// force z mu, |z| <= 1, that keeps it at rest; z is called its share. Accelerations are linear in
+// the forces. Let G be the directions of the resting contacts, W = G M^-1 G^T (computed by one
+// solution of the system a contact) and a their accelerations without these forces; then the shares
+// solve  W mu z = -a.  While no mode changes, the motion is smooth, and methods of high order
+// apply.
 //
-// At the end of a mode the forces on the contacts at rest are computed again: they minimise
+// When a mode ends, the forces on all contacts that are nearly at rest are computed again. They
+// minimise
 //     1/2 (mu z).W (mu z) + (mu z).a  over |z| <= 1     (box_quadratic.hpp),
-// which is Gauss's principle of least constraint with dry friction in it. A contact whose force is
-// inside its bound rests; one at its bound slides, against the force. There is no smoothing width.
+// which is Gauss's principle of least constraint with dry friction. A contact with |z| < 1 rests;
+// one with |z| = 1 slides against its force. There is no smoothing width.
 //
-// The dry friction of gears is treated in the same way: the speed of such a contact is the rate of
-// its joint times the length of a link, its force the torque divided by this length.
+// The dry friction of a gear is a contact too: its speed is the rate of the joint times the length
+// of a link, and its force is the torque divided by this length.
 //
-// For a ratchet, mu is the mean of both directions, and half of their difference is a constant
-// thrust. Its viscous friction is that of the mode. A wheel without dry friction reverses without
-// resting.
+// For a ratchet, mu is the mean of its two dry frictions, and half of their difference is a
+// constant thrust. Its viscous friction is that of the direction in which it slides. A ratchet
+// without dry friction does not rest when its speed changes sign.
 #pragma once
 
 #include <vector>
@@ -30,17 +32,17 @@ namespace serpenoid {
 
 class Sticking {
   public:
-    // mechanics: without dry friction, and with the mean viscous friction of a ratchet.
+    // The mechanics must be without dry friction, and with the mean viscous friction of a ratchet.
     Sticking(Mechanics& mechanics, const RunRequest& request);
 
     // Fill the chain with all forces in the present modes.
     void forces(double t, const double* y);
-    // Find the modes after a state, and bring the resting contacts exactly to rest in it.
+    // Find the modes that follow from the state y, and set the resting contacts' speeds in it to 0.
     void find_modes(double t, double* y);
-    // The distance of every contact from the end of its mode; negative after it. Ends are located
-    // at -1.
+    // Fill margin with a number for each contact that falls as the end of its mode approaches and
+    // is negative after it. A mode change is located where the number is -1.
     void margins(double t, const double* y, std::vector<double>& margin);
-    // Whether errors of the steps have moved a resting contact so much that find_modes must be
+    // Whether step errors have given a resting contact so much speed that find_modes must be
     // called.
     bool creeps(double t, const double* y);
 
@@ -52,7 +54,7 @@ class Sticking {
         double dry;                // bound of the force, N
         double breakaway_ratio;    // see friction_law.hpp
         int sign = 0;              // sign of the sliding speed; 0 at rest
-        double share = 0;          // force over its bound, at rest
+        double share = 0;          // z: force over its bound, at rest
         double reverse_speed = 0;  // speed against the sign at the start of the mode, m/s
     };
     double speed(const Contact& contact) const;
@@ -60,7 +62,7 @@ class Sticking {
     void add_force(const Contact& contact, double share);
     void remove_rest_forces();
     void find_shares(double t, const double* y);
-    void load_sliding(double t, const double* y);
+    void load_free_forces(double t, const double* y);
     void add_ratchet(const Contact& contact);
     void set_response(const std::vector<int>& indices);
     void add_rest_forces(const std::vector<int>& indices);
@@ -77,7 +79,8 @@ class Sticking {
     std::vector<Contact> contacts_;
     std::vector<int> resting_;
     BoxQuadratic box_;
-    std::vector<double> response_, pull_, share_, free_x_, free_y_, free_T_, free_acceleration_;
+    std::vector<double> response_, scaled_acceleration_, share_, free_x_, free_y_, free_T_,
+        free_acceleration_;
 };
 
 }  // namespace serpenoid
