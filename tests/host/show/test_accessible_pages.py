@@ -1,4 +1,4 @@
-"""Every page that the package writes: axe-core finds nothing, light and dark, on a phone too."""
+"""The pages of `view` and `report`: axe-core finds no barrier, light and dark, also on a phone."""
 
 from __future__ import annotations
 
@@ -11,24 +11,21 @@ from show.test_view_page import LIMPING
 from webdriver import Browser
 
 
-def written(folder: Path, *arguments: str) -> Path:
-    path = folder / f"{arguments[0]}.html"
-    serpenoid(*arguments, "--out", path, check=True)
+def page(folder: Path, command: str, source: Path) -> Path:
+    path = folder / f"{command}.html"
+    serpenoid(command, source, "--out", path, check=True)
     return path
 
 
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory) -> list[Path]:
     folder = tmp_path_factory.mktemp("pages")
-    return [
-        written(folder, "view", str(LIMPING)),
-        written(folder, "report", str(NIRAKH_2005)),
-    ]
+    return [page(folder, "view", LIMPING), page(folder, "report", NIRAKH_2005)]
 
 
 @pytest.mark.parametrize(("width", "dark"), [(1280, False), (390, True)])
-def test_axe_finds_nothing(pages, width, dark) -> None:
+def test_axe_finds_no_barrier(pages, width, dark) -> None:
     with Browser(width, 900, dark) as browser:
-        for page in pages:
-            browser.opens(page.as_uri())
-            assert browser.barriers() == [], page.name
+        for path in pages:
+            browser.opens(path.as_uri())
+            assert browser.barriers() == [], path.name
