@@ -94,7 +94,7 @@ row(
     "formulation",
     option(
         "--formulation",
-        "The exact model (explicit, unless given), or the paper's with springs in the joints.",
+        "The exact model (explicit, the default), or the paper's with springs in the joints.",
         choice=CHOICES["formulation"],
         research=True,
     ),
@@ -114,7 +114,7 @@ row(
 
 
 def _ratchet_pair(name: str, text: str) -> float | tuple[float, ...]:
-    """Return one number, or several of a text such as 0.084,0.3; Ground checks how many."""
+    """Return the number or numbers of a text such as 0.084,0.3; Ground checks how many."""
     numbers = tuple(parsed_number(name, part) for part in text.split(","))
     return numbers[0] if len(numbers) == 1 else numbers
 
@@ -186,13 +186,13 @@ SETTINGS["rtol"] = (Setting("rtol", "relative accuracy of the speed", usual="1e-
 
 
 def refuse_springs(settings: Values) -> None:
-    """Raise BadInput for settings of springs where the joints are pinned."""
+    """Raise BadInput for settings of springs, which pinned joints do not have."""
     why = "the joints are pinned; give --formulation implicit too"
     refuse_unused(settings, why, "joint_stiffness_n_m", "joint_damping_n_s_m", "gap")
 
 
 def servo_kind(name: str, settings: Values) -> sn.ServoKind:
-    """Return the kind of servo of a name or file, at the voltage and frame time that are set."""
+    """Return the kind of servo of a name or file, at the voltage and frame time in settings."""
     kind = sn.servo(name)
     if "volts" in settings:
         kind = kind.at_volts(settings["volts"])
@@ -203,7 +203,7 @@ GAIT = "alpha_deg", "beta_deg", "offset_deg", "frequency_hz", "omega_rad_s"
 
 
 def make_gait(typed: Values, base: sn.Gait | None = None) -> sn.Gait:
-    """Return the gait of typed options and settings, None where not given.
+    """Return the gait of typed options and settings; a value of None was not given.
 
     base: gait whose values, and whose joints' gains and shifts, hold where nothing is given. Raises
     BadInput if there is no base and a value is missing.
@@ -236,10 +236,10 @@ def describe(gait: sn.Gait) -> Values:
 
 
 def busy(what: str, work: Callable[[Callable[[float], object]], T]) -> T:
-    """Return work(show_share) and show meanwhile that it is running, by the words in `what`.
+    """Return work(show_share), and show what is running until it ends.
 
-    show_share: function of the share of the work done, 0 to 1. The work runs in a thread, so that
-    Ctrl-C is noticed while the core computes; it ends the work.
+    what: words for the work. show_share: function that it calls with the share done, 0 to 1. It
+    runs in a thread, so that Ctrl-C is noticed while the core computes, and ends the work.
     """
     from concurrent.futures import Future
 
@@ -357,7 +357,7 @@ def make_snake(name: str | None, settings: Values, base: Snake | None = None) ->
 
 
 def session_fit(session: sn.Session) -> sn.FrictionFit:
-    """Return the fit in a session's fit.json if it is of the present readings; else a new fit."""
+    """Return the fit in a session's fit.json if its readings are unchanged; else a new fit."""
     from ..friction.file import NAME, rests_on
 
     folder = session.folder
@@ -374,14 +374,15 @@ def session_fit(session: sn.Session) -> sn.FrictionFit:
 def take_servo(
     name: str | None, settings: Values, snake: Snake | None = None
 ) -> sn.ServoKind | None:
-    """Return the kind of servo of --servo, hobby unless given; None for ideal joints.
+    """Return the kind of servo that --servo names; None for ideal joints.
 
-    snake: the robot that they move. Its session, if any, has their voltage and frame time.
+    Without a name it is hobby for short robots, and None for long ones. snake: the robot that the
+    servos move. Its session, if any, has their voltage and frame time.
     """
     from ..session.crawls import driving
 
     if name is None:
-        max_links = 20  # with servos as the default; the time grows as their cube
+        max_links = 20  # Longest robot with servos by default; the time grows as the cube.
         name = IDEAL if snake and snake.robot.links > max_links else "hobby"
     if name.lower() == IDEAL:
         refuse_unused(settings, "joints are ideal; give --servo NAME", "volts", "frame_ms")

@@ -1,4 +1,4 @@
-"""The periodic state of a gait, solved for directly: speed, powers, stability, its circle."""
+"""The periodic state of a gait by Newton's method: speed, powers, stability, radius of its path."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """Hold what a stable motion does in a cycle: it turns, rad, and goes on, m over the period."""
+    """Hold a stable motion: its turn per cycle, and its displacement per cycle over the period."""
 
     turn_rad_per_cycle: float
     chord_m_s: float
@@ -35,7 +35,7 @@ class Motion:
 
 @dataclass(frozen=True, slots=True)
 class FromRest:
-    """Hold whether a start from rest ends in the reported state, and another stable motion."""
+    """Hold whether a start from rest ends in the reported state, and a second stable motion."""
 
     reaches_reported: bool
     other: Motion | None
@@ -43,7 +43,7 @@ class FromRest:
 
 @dataclass(frozen=True, slots=True)
 class Steady(Plottable):
-    """Hold the periodic state of a gait (explicit model), when the start is forgotten.
+    """Hold the periodic state of a gait (explicit model), into which the motion settles.
 
     Attributes
     ----------
@@ -70,17 +70,17 @@ class Steady(Plottable):
     positive_power_w
         Mean of sum max(P_i, 0), W.
     error_estimate
-        Of the speed, relative (near no speed: to 1e-4 of body length times omega).
+        Relative error of the speed (near speed 0: over 1e-4 of body length times omega).
     power_error_w
         Error of power_w, W.
     positive_power_error_w
         Error of positive_power_w, W.
     turn_error_rad
-        Of the turn, rad.
+        Error of the turn, rad.
     direction_rad
         Direction of travel, counted from the heading of link 1 at phase 0, rad.
     settling_time_s
-        Time in which the slowest disturbance falls to 1/e, s; inf when none does.
+        Time in which the slowest disturbance falls to 1/e, s; inf when it does not fall.
     settling_error
         Relative error of that time.
     sensitivities
@@ -93,7 +93,7 @@ class Steady(Plottable):
     -----
     settling_error is 1 in two cases: resting wheels leave almost nothing of a disturbance
     (multipliers below 1e-13), or several wheels stop at one moment, so there is no derivative. The
-    time is then anything up to twice the one given.
+    true time is then between 0 and twice the one given.
 
     Three wheels at rest hold the whole chain, and three equations give their forces. If more than
     three could rest at once, the friction law picks three; the velocities are the same for any
@@ -137,12 +137,12 @@ class Steady(Plottable):
 
     @property
     def body_velocity(self) -> Array:
-        """Return body_velocity, (3,), at phase 0: of the centre of mass, m/s; theta_1', rad/s."""
+        """Return the velocity (3,) at phase 0: of the centre of mass, m/s, and theta_1', rad/s."""
         return np.array(self._body_velocity)
 
     @property
     def monodromy(self) -> Array:
-        """Return monodromy, (3, 3): by (Vx, Vy, L) in m/s and kg m^2/s, after a period."""
+        """Return the monodromy matrix (3, 3) of (Vx, Vy, L), m/s and kg m^2/s, over a period."""
         return np.array(self._monodromy).reshape(3, 3)
 
     @property
@@ -158,7 +158,7 @@ class Steady(Plottable):
 
     @property
     def radius_error_m(self) -> float:
-        """Return the estimated error of radius_m, m; inf where the turn may be none."""
+        """Return the estimated error of radius_m, m; inf if the turn may be 0."""
         turn_rad = abs(self.turn_rad_per_cycle)
         if self.turn_error_rad >= turn_rad or math.isinf(self.radius_m):
             return math.inf if turn_rad > 0 else 0.0
@@ -167,10 +167,10 @@ class Steady(Plottable):
 
     @property
     def floquet_multipliers(self) -> NDArray[np.complex128]:
-        """Return floquet_multipliers: three factors of a small disturbance, a period, by size.
+        """Return the three Floquet multipliers, the largest in magnitude first.
 
-        The largest is the one that counts. One that is smaller by ten decades or more is next to
-        nothing, but its digits mean nothing.
+        The largest determines the settling time. One that is smaller by ten decades or more has no
+        correct digit.
         """
         values = np.linalg.eigvals(self.monodromy).astype(complex)
         return values[np.argsort(-abs(values))]
@@ -267,17 +267,17 @@ class Steady(Plottable):
 
 
 def speed_floor_m_s(robot: Robot, omega_rad_s: float) -> float:
-    """Return 1e-4 of body length x rate: below it a speed's error counts relative to this."""
+    """Return 1e-4 of body length times rate, m/s: errors of lower speeds are relative to it."""
     return _core.SPEED_FLOOR * omega_rad_s * robot.links * robot.link_length_m
 
 
 def relative_error(error: float, speed: float, robot: Robot, gait: Gait) -> float:
-    """Return error over speed, or over speed_floor_m_s where there is no speed."""
+    """Return error over speed, or over speed_floor_m_s if that is higher."""
     return error / max(speed, speed_floor_m_s(robot, gait.omega_rad_s))
 
 
 def check_ground(ground: Ground, rtol: float) -> None:
-    """Refuse ground without any friction, and an accuracy that its solver does not give."""
+    """Raise BadInput for ground without friction, and for an rtol that the solver cannot reach."""
     finest = 1e-12 if ground.smooth else 1e-7
     check_number("rtol", rtol, finest, 0.1)
     if ground.cn == 0 and max(ground.ct_forward, ground.ct_backward) == 0 and not ground.dry:
@@ -294,10 +294,10 @@ def steady_gait(
 
     Newton's method on the period map, with half a period where mirror symmetry allows it; dry
     ground as the set-valued law with exact sticking. rtol: wanted relative accuracy of speed and
-    net power, 0.1 to 1e-12 (dry ground: to 1e-7, net power to 10 rtol). The other powers have their
-    own stated errors, which never refuse a state. powers=False leaves them out (0) and is faster.
-    Raises BadInput, and NotConverged whose `best` is the best Steady found, with the error that it
-    has.
+    net power, 0.1 to 1e-12 (dry ground: to 1e-7, net power to 10 rtol). The other powers have
+    error estimates of their own, for which a state is never refused. powers=False leaves them out
+    (0) and is faster. Raises BadInput, and NotConverged whose `best` is the best Steady found, with
+    its error.
     """
     check_parts(robot, ground, gait)
     check_ground(ground, rtol)
@@ -313,8 +313,8 @@ def state_near(
 ) -> Steady:
     """Return the best state found of a gait, whatever its error.
 
-    start: a state like it. From one the first state found on dry ground will do; it is mostly good
-    to rtol, and its error is not known.
+    start: state of a similar gait, from which Newton's method starts. On dry ground the first state
+    found is then returned; it mostly agrees to rtol, and its error is not estimated.
     """
     model = core_model(robot, ground, gait)
     if start is None:
@@ -332,7 +332,7 @@ def drawn_states(
     draws: Sequence[tuple[Ground, Gait]],
     rtol: float = 1e-3,
 ) -> list[Steady]:
-    """Return the periodic state of each draw to rtol of its speed, begun from one that is near.
+    """Return the periodic state of each draw, speed to rtol, started from that of middle_draw.
 
     Raises BadInput and NotConverged as `steady_gait` does.
     """
@@ -350,11 +350,11 @@ def drawn_states(
 
 
 def from_core(robot: Robot, ground: Ground, gait: Gait, s: _core.SteadyState) -> Steady:
-    """Return the core's answer for a gait as users see it."""
+    """Return the Steady of a state that the core found."""
     error = relative_error(s.speed_error, s.speed, robot, gait)
     settling = math.inf, 0.0
     if s.log_largest_multiplier < 0:
-        double_root_error = 3e-8  # root of rounding: error of two multipliers that nearly coincide
+        double_root_error = 3e-8  # error of two nearly equal multipliers, some sqrt(epsilon)
         settling = (
             gait.period_s / -s.log_largest_multiplier,
             (s.log_multiplier_error + double_root_error) / -s.log_largest_multiplier,
@@ -381,17 +381,17 @@ def from_core(robot: Robot, ground: Ground, gait: Gait, s: _core.SteadyState) ->
 
 
 def _not_found(best: Steady, rtol: float) -> str:
-    """Return why a state is no answer, and what to do."""
+    """Return the message of NotConverged: what was found, and what to do."""
     gait, follow = gait_name(best.gait), "follow the motion in time with simulate"
     if math.isinf(best.error_estimate):
         return f"no periodic state found for {gait}, nor anything near one; {follow}"
-    also = f", its net power one of {best.power_error_w:.1g} W"
+    also = f", its net power an error of {best.power_error_w:.1g} W"
     if best.error_estimate > rtol:
         also = ""
     elif not best.stable:
         also = ", but disturbances of it grow: no motion stays there"
     return (
         f"no periodic state found to rtol {rtol:g} for {gait}: the best has a speed of "
-        f"{best.speed_m_s:.6g} m/s with an error of {best.error_estimate:.1g} of itself{also}; "
+        f"{best.speed_m_s:.6g} m/s with a relative error of {best.error_estimate:.1g}{also}; "
         f"ask for a larger rtol, or {follow}"
     )

@@ -25,7 +25,7 @@ from .cluster import Shape, solve_on_cluster, solve_shapes
 from .servo_steady import with_servo
 from .steady import check_ground, speed_floor_m_s, steady_gait
 
-MAX_GAITS = 10**8  # eleven numbers of each are 9 GB
+MAX_GAITS = 10**8  # gaits of a grid; eleven numbers each take 9 GB
 
 
 class BestGait(NamedTuple):
@@ -61,7 +61,7 @@ class Sweep(Plottable):
     positive_power_w
         Mean of sum max(P_i, 0), W.
     error_estimate
-        Of the speed, relative.
+        Relative error of the speed.
     power_error_w
         Error of power_w, W.
     positive_power_error_w
@@ -104,10 +104,10 @@ class Sweep(Plottable):
     servo_high_m_s: NDArray[np.float64] | None = None
 
     def best(self, *, per_metre: bool = False) -> BestGait | None:
-        """Return the fastest gait, or the one with the cheapest metre; None if none travels.
+        """Return the fastest gait, or that with the least energy per metre; None if none travels.
 
-        With a servo its speed counts, and only gaits that it can follow. The power is that of
-        ideal joints that do not regenerate.
+        With a servo, the speed with the servo counts, and only gaits that it can follow. The
+        power is that of ideal joints that do not regenerate.
         """
         speed_m_s = np.where(self.converged, self.speed_m_s, np.nan)
         if self.servo_speed_m_s is not None and self.servo_low_m_s is not None:
@@ -117,11 +117,11 @@ class Sweep(Plottable):
         score = -energy_j_m if per_metre else speed_m_s
         if np.isnan(score).all():
             return None
-        place = np.unravel_index(np.nanargmax(score), score.shape)
-        shape = zip((self.alpha_rad, self.beta_rad, self.omega_rad_s), place, strict=True)
+        index = np.unravel_index(np.nanargmax(score), score.shape)
+        shape = zip((self.alpha_rad, self.beta_rad, self.omega_rad_s), index, strict=True)
         alpha_rad, beta_rad, omega_rad_s = (float(values[k]) for values, k in shape)
         gait = Gait(alpha_rad, beta_rad, omega_rad_s)
-        return BestGait(gait, float(speed_m_s[place]), float(energy_j_m[place]))
+        return BestGait(gait, float(speed_m_s[index]), float(energy_j_m[index]))
 
     def in_words(self) -> str:
         """Return the fastest gait, the cheapest metre, and how many gaits do not settle."""
@@ -136,7 +136,7 @@ class Sweep(Plottable):
         return " ".join([*sentences, f"{lost} do not settle." if lost else "All settle."])
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain lists, indexed [alpha, beta, omega]; what is not finite is None."""
+        """Return lists, indexed [alpha, beta, omega]; None stands for what is not finite."""
         plain: dict[str, Any] = {
             "alpha_deg": np.degrees(self.alpha_rad).round(10).tolist(),
             "beta_deg": np.degrees(self.beta_rad).round(10).tolist(),
@@ -183,15 +183,16 @@ def sweep(
     powers
         Whether to compute powers, too, which takes longer.
     servo
-        What moves the joints, beside ideal ones; solved here. Some 15 ms a gait, and about 15 times
-        that for a kind that is in doubt.
+        What moves the joints, in a second solution beside that of ideal joints. It takes some 15 ms
+        a gait on this machine (no cluster), 15 times that for a kind whose values are uncertain.
     threads
         Number of threads; all processors unless given.
     scheduler
         Address of a Dask cluster, such as "tcp://10.0.0.1:8786", with serpenoid[dask] on all its
-        workers. No bit differs.
+        workers. The results are the same to the last bit.
     progress
-        Called with the gaits solved since the last call (again for servos); may raise to stop.
+        Called with the number of gaits solved since the last call, first for ideal joints, then for
+        servos; may raise to stop.
 
     Returns
     -------
@@ -225,10 +226,10 @@ def sweep(
     ]
     size = [axis.size for axis in axes]
     if math.prod(size) > MAX_GAITS:
-        raise BadInput(f"the grid has {math.prod(size):.3g} gaits; the most is {MAX_GAITS:.0e}")
+        raise BadInput(f"the grid has {math.prod(size):.3g} gaits; the limit is {MAX_GAITS:.0e}")
     *angles, rates = (axis.tolist() for axis in axes)
     for rate in rates:
-        Gait(0.0, 0.0, rate)
+        Gait(0.0, 0.0, rate)  # raises BadInput if it is out of range
     shapes = [(robot, ground, Gait(alpha, beta, rates[0])) for alpha, beta in product(*angles)]
     count = threads_to_use(threads)
     if scheduler is None:
@@ -242,9 +243,10 @@ def sweep(
 
 
 def gait_figures(shapes: Sequence[Shape], rates: Array, table: Array) -> list[Any]:
-    """Return the figures that Sweep has, in its order, each (shape, rate), of the core's table."""
+    """Return the fields of Sweep from speed to converged, (shapes, rates) each, of a table."""
     *figures, log_multiplier, _, converged = np.moveaxis(table, -1, 0)
     floors = speed_floor_m_s(shapes[0][0], 1.0) * rates
+    # The core gives the error of the speed in m/s.
     figures[5] = figures[5] / np.maximum(figures[0], floors)
     with np.errstate(divide="ignore"):
         settling_s = np.where(log_multiplier < 0, -math.tau / rates / log_multiplier, math.inf)
@@ -268,7 +270,7 @@ def _with_servo(
     threads: int,
     progress: Progress | None,
 ) -> list[Any]:
-    """Return speed of the typical servo, and ends of the band of drawn ones, m/s; NaN as Sweep."""
+    """Return Sweep's speed with the typical servo, and both ends of its band, m/s."""
 
     def solved(pair: tuple[Shape, float]) -> tuple[float, float, float]:
         (robot, ground, bend), rate = pair

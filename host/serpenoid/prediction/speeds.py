@@ -30,7 +30,7 @@ def speed(robot: Robot, ground: Ground, gait: Gait, servo: Servo | None = None) 
 
 
 def scaled(gait: Gait, amplitude: float) -> Gait:
-    """Return the gait with its amplitude times a factor, at most pi."""
+    """Return the gait with its amplitude times a factor; the product is at most pi."""
     return replace(gait, alpha_rad=min(gait.alpha_rad * amplitude, math.pi))
 
 
@@ -38,9 +38,9 @@ def scaled(gait: Gait, amplitude: float) -> Gait:
 class Samples:
     """N equally likely samples of friction, amplitude and servo.
 
-    fit: the friction, whose ground every sample's state is sought from. kind: of servo, None where
-    joints follow the gait. frictions: (N, 4), of the whole snake. amplitude: (N,), of the
-    joints over the commanded one. servos: N of the kind, or none.
+    fit: the fit; solutions for all samples start from that for its ground. kind: kind of servo;
+    None if joints follow the gait. frictions: (N, 4), of the whole snake. amplitude: (N,), ratio of
+    the joints' amplitude to the commanded one. servos: N of the kind; empty without a kind.
     """
 
     fit: FrictionFit
@@ -63,8 +63,8 @@ def draw_samples(
     """
     from scipy.special import ndtri
 
-    evenly = np.random.default_rng(seed).permutation((np.arange(count) + 0.5) / count)
-    amplitude = 1.0 + amplitude_sigma * ndtri(evenly)
+    quantiles = np.random.default_rng(seed).permutation((np.arange(count) + 0.5) / count)
+    amplitude = 1.0 + amplitude_sigma * ndtri(quantiles)
     servos = tuple(kind.draws(count, seed)) if kind else ()
     return Samples(fit, kind, fit.sample_whole(count, seed), amplitude, servos)
 
@@ -72,9 +72,9 @@ def draw_samples(
 def speeds(samples: Samples, gait: Gait, commanded: Gait | None = None) -> Array:
     """Return the speeds of one gait for each sample, m/s, (3, N).
 
-    Rows: of the frictions alone, with the joints' amplitude, and with the servos, where they can
-    follow. commanded: what the robot was told, where a film showed that its joints do `gait`. Their
-    amplitude is then certain, and of a servo only the ripple counts.
+    First row: only friction differs from sample to sample. Second row: the joints' amplitude too.
+    Third row: the servos too, if they can follow. commanded: the commanded gait, if `gait` is how
+    the joints moved in a film. The amplitude is then known, and of a servo only the ripple counts.
     """
     robot, count = samples.fit.robot, len(samples.frictions)
     grounds = [ground_of(robot.links, row) for row in samples.frictions.tolist()]

@@ -1,9 +1,9 @@
-"""Error of a run by a finer one, and the step or tolerance that an accuracy needs.
+"""Estimate the error of a run by a finer one; find the step or tolerance that an accuracy needs.
 
-A finer run has half the step, or a tenth of the tolerance (nonsmooth: a hundredth). Four times the
-difference is the estimate. Of a method of order 1 the error is twice the difference, of higher
-orders less. Where dry friction is not resolved, or over many cycles, it varies: 4 keeps 99 % of
-random scenes within it.
+A finer run has half the step, or a tenth of the tolerance (nonsmooth: a hundredth). The estimate is
+four times the difference. The error of a method of order 1 is twice the difference, that of higher
+orders less. Where dry friction is not resolved, or over many cycles, this ratio varies; with 4, the
+error of 99 % of random scenes is below the estimate.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ REASONS = {
     "dop853": "smooth motion, without springs that ring: high order at few steps",
     "radau": "stiff springs: steps as long as the slow motion allows",
 }
-Solve = Callable[..., Run]  # of a scene, and its start if that is not its own
+Solve = Callable[..., Run]  # function of a scene, and of a start in place of the scene's
 
 
 def estimated_error(run: Run, solve: Solve) -> RunError:
-    """Return the error of a run by one finer run, or two."""
+    """Return the error of a run, estimated by one finer run or two."""
     start, scene, body_m = run.state(0), run.scene, run.scene.robot.body_length_m
     finer = finer_scene(scene)
     unknown = Difference(math.inf, math.inf, math.inf)
@@ -36,8 +36,8 @@ def estimated_error(run: Run, solve: Solve) -> RunError:
     with suppress(Diverged, StepTooLarge):
         second = solve(finer, start)
         (largest, believed_s), settled = difference(run, second, SAFETY), True
-        # A third run checks a difference above a thousandth of the body and of a radian, and any of
-        # a method that does not know sticking, because its error falls unevenly.
+        # A third run checks a difference above a thousandth of the body and of a radian. It checks
+        # any difference of a method without exact sticking, because its error falls unevenly.
         if largest.size(body_m) > SAFETY / 1000 or chatters(scene):
             third = solve(finer_scene(scene, 2), start)
             change, _ = difference(second, third, SAFETY)
@@ -50,8 +50,8 @@ def estimated_error(run: Run, solve: Solve) -> RunError:
         return error
     exact = exact_scene(scene, min(scene.tolerance, 1e-6))
     how = f"{error.how}; modelling: difference to the explicit formulation by {exact.method}"
-    springs, _ = difference(run, solve(exact))
-    return replace(error, modelling=springs, how=how)
+    modelling, _ = difference(run, solve(exact))
+    return replace(error, modelling=modelling, how=how)
 
 
 def accurate_run(scene: Scene, accuracy: float, solve: Solve, max_link_steps: int = 10**8) -> Run:
@@ -63,7 +63,7 @@ def accurate_run(scene: Scene, accuracy: float, solve: Solve, max_link_steps: in
     reason = "ask for less, or a shorter run"
     for _ in range(12):
         if not tried.adaptive and tried.steps * scene.robot.links > max_link_steps:
-            reason = f"its steps would have to be {tried.dt_s:.1g} s; leave the method open"
+            reason = f"its steps would have to be {tried.dt_s:.1g} s; leave the method out"
             break
         picked = f"formulation {tried.formulation!r}, method {tried.method!r}, {_setting(tried)}"
         run = solve(tried, picked=f"{picked}: {why}")
@@ -71,11 +71,11 @@ def accurate_run(scene: Scene, accuracy: float, solve: Solve, max_link_steps: in
         worst = error.worst(body_m)
         if worst <= accuracy and error.settled:
             return run
-        springs = error.modelling.size(body_m) if error.modelling else 0.0
-        if springs > max(accuracy, error.integration.size(body_m)):
-            stiffness_n_m = 1.5 * scene.joint_stiffness_n_m * springs / accuracy
+        modelling = error.modelling.size(body_m) if error.modelling else 0.0
+        if modelling > max(accuracy, error.integration.size(body_m)):
+            stiffness_n_m = 1.5 * scene.joint_stiffness_n_m * modelling / accuracy
             reason = (
-                f"the springs alone (k = {scene.joint_stiffness_n_m:g} N/m) are as far off; take "
+                f"the springs alone (k = {scene.joint_stiffness_n_m:g} N/m) cause that error; take "
                 f"formulation 'explicit', or joint_stiffness_n_m {stiffness_n_m:.1g}"
             )
             break
@@ -84,7 +84,7 @@ def accurate_run(scene: Scene, accuracy: float, solve: Solve, max_link_steps: in
         finer = replace(tried, tolerance=max(tried.tolerance / 30, MIN_TOLERANCE))
         tried = finer if tried.adaptive else with_shorter_steps(tried, 4)
     raise NotConverged(
-        f"accuracy is {accuracy:g}; method {tried.method!r} came to {worst:.2g} only: {reason}"
+        f"accuracy is {accuracy:g}; method {tried.method!r} reached only {worst:.2g}: {reason}"
     )
 
 
@@ -94,7 +94,7 @@ def _setting(scene: Scene) -> str:
 
 
 def _first_try(scene: Scene, accuracy: float) -> tuple[Scene, str]:
-    """Return the scene with the method and the step or tolerance to begin with, and why so."""
+    """Return the scene of the first run, with its method and step or tolerance, and the reason."""
     chosen, why = scene, f"method {scene.method!r} was given"
     if isinstance(scene.method, OwnChoice):
         method = most_accurate_method(scene)
@@ -107,12 +107,13 @@ def _first_try(scene: Scene, accuracy: float) -> tuple[Scene, str]:
 
 
 def finer_scene(scene: Scene, times: int = 1) -> Scene:
-    """Return the scene at a tenth of its tolerance or half its step, so many times.
+    """Return the scene with its tolerance divided by ten, or its step by two, `times` times.
 
-    By nonsmooth it is a hundredth: after each event steps begin anew, so that runs at tolerances
-    next to each other often take the same steps, and share their error. Below some tolerance
-    rounding makes steps short and tells no more (a run by nonsmooth takes ten times as long at
-    1e-11 with 40 links): there it is ten times the tolerance, whose difference is the larger.
+    For nonsmooth the tolerance is divided by a hundred: steps begin anew after each event, so that
+    runs at similar tolerances often take the same steps and share their error. Below some tolerance
+    rounding only makes steps shorter (a run by nonsmooth takes ten times as long at 1e-11 with 40
+    links). There the tolerance is multiplied by ten instead: the difference from the coarser run is
+    larger than the error, and so still bounds it.
     """
     if not scene.adaptive:
         return with_shorter_steps(scene, 2**times)
@@ -124,6 +125,6 @@ def finer_scene(scene: Scene, times: int = 1) -> Scene:
 
 
 def with_shorter_steps(scene: Scene, parts: float) -> Scene:
-    """Return a scene whose steps are shorter by at least a factor, its recorded times the same."""
+    """Return the scene with steps at least `parts` times shorter, and the same recorded times."""
     count = max(math.ceil(parts), 1)
     return replace(scene, dt_s=scene.dt_s / count, record_every=count * scene.record_steps)
