@@ -28,7 +28,7 @@ ModeSteps::ModeSteps(System& system, Sticking& modes, const std::vector<double>&
                      double tolerance, double min_step)
     : modes_(modes),
       explicit_(system, scale, tolerance),
-      stiff_(system, scale, tolerance, {.resolved = 1, .rate = 0.1}),
+      stiff_(system, scale, tolerance, {.resolved = 1, .rate = 0.3}),
       stiff_decay_(std::min(6.0, 0.07 * stiff_.unknowns() * stiff_.unknowns())),
       min_step_(min_step),
       y_(system.dim()),
