@@ -1,4 +1,4 @@
-"""Write public.txt, all that users see by name: a change of it is a line in CHANGELOG.md.
+"""Write public.txt, a list of all public names: a change of it needs a line in CHANGELOG.md.
 
 Commands and options, keys of --json and of files that people keep, Python's signatures.
 """
@@ -27,7 +27,7 @@ from serpenoid.servos import bench_fit
 
 PATH = Path(__file__).resolve().with_name("public.txt")
 ROOT = PATH.parents[2]
-PLACES = {  # words of the lines below
+PATHS = {  # words in ANSWERS that stand for a path
     "DIR": ROOT / "calibration_data" / "nirakh-2005",
     "SCENE": ROOT / "host" / "examples" / "limping_on_a_slope.toml",
     "FILM": ROOT / "calibration_data" / "demo-film" / "film.mp4",
@@ -38,8 +38,10 @@ THREE_LINKS = (
     "--set links=3 --set mass_kg=0.3 --set link_length_m=0.1 "
     "--set ct=0.03 --set cn=3 --set ft0=0 --set fn0=0"
 )
-NEXT = "--gait 70 75 0.5 --set samples=16"
-ANSWERS = (  # MINE is a session with a crawl; BENCH a servo's test
+NEW_GAIT = "--gait 70 75 0.5 --set samples=16"
+# Commands with an answer in JSON. make_inputs() writes MINE, a session with a crawl, and BENCH,
+# a bench test of a servo.
+ANSWERS = (
     f"steady {GAIT} --servo ideal",
     f"steady {GAIT} --formulation implicit",
     f"steady {GAIT} --robot DIR --sensitivities",
@@ -50,8 +52,8 @@ ANSWERS = (  # MINE is a session with a crawl; BENCH a servo's test
     "simulate --scene SCENE --duration-s 0.5",
     "fit DIR",
     "fit MINE",
-    f"compare DIR {NEXT}",
-    f"advise DIR {NEXT}",
+    f"compare DIR {NEW_GAIT}",
+    f"advise DIR {NEW_GAIT}",
     "calibrate status MINE",
     "servo --test BENCH",
     "video FILM",
@@ -60,20 +62,20 @@ ANSWERS = (  # MINE is a session with a crawl; BENCH a servo's test
 )
 STATIONS = ((0, 2.02, 0.2), (0, 2.66, 0.8), (25, 3.02, 0.2), (25, 4.4, 0.8))
 CRAWL = "gait alpha_deg=70 beta_deg=75 distance_m=2.5 duration_s=20 omega_rad_s=5"
-KINDS = ("station", "bend", "zero", "belt", "gait", "video", "push")
-ODD = "zzzz"  # a name that nothing has: who reads it says which names there are
+READING_KINDS = ("station", "bend", "zero", "belt", "gait", "video", "push")
+UNKNOWN_KEY = "zzzz"  # the error message for it lists the known keys
 
 
 def run(line: str) -> str:
-    """Return what a command prints."""
-    done = CliRunner().invoke(cli, [str(PLACES.get(word, word)) for word in line.split()])
-    if done.exit_code:
-        raise SystemExit(f"serpenoid {line}: {done.output} {done.exception}")
-    return done.stdout
+    """Return the standard output of a command."""
+    result = CliRunner().invoke(cli, [str(PATHS.get(word, word)) for word in line.split()])
+    if result.exit_code:
+        raise SystemExit(f"serpenoid {line}: {result.output} {result.exception}")
+    return result.stdout
 
 
 def commands(group: click.Group, words: str = "serpenoid") -> Iterator[str]:
-    """Yield every command, and below it its arguments and options."""
+    """Yield a line for every command, then lines for its arguments and options."""
     for name, command in sorted(group.commands.items()):
         yield f"{words} {name}"
         yield from sorted(f"    {option(parameter)}" for parameter in command.params)
@@ -82,7 +84,7 @@ def commands(group: click.Group, words: str = "serpenoid") -> Iterator[str]:
 
 
 def option(p: click.Parameter) -> str:
-    """Return names, type, limits or choices, and default of an option."""
+    """Return the names of an option, its type, limits or choices, and its default."""
     kind = p.type.name
     if isinstance(p.type, click.Choice):
         kind = "|".join(map(str, p.type.choices))
@@ -107,7 +109,7 @@ def keys(value: Any, path: str = "") -> Iterator[str]:
         yield path
 
 
-def by_table(answer: Any) -> list[str]:
+def keys_by_table(answer: Any) -> list[str]:
     """Return the keys of an answer, one line for each table in it."""
     parents: dict[str, set[str]] = {}
     for key in keys(answer):
@@ -116,23 +118,25 @@ def by_table(answer: Any) -> list[str]:
     return [f"{parent}: {' '.join(sorted(names))}" for parent, names in sorted(parents.items())]
 
 
-def names_in(refusal: object) -> str:
-    """Return the names that a refusal lists, sorted."""
+def listed_names(refusal: object) -> str:
+    """Return the known names that an error message lists, sorted."""
     listed = re.search(r"(?:known are|of kind \w+ has) (.+)$", str(refusal))
     if not listed:
         raise SystemExit(f"this lists no names: {refusal}")
     return " ".join(sorted(listed[1].replace(" (or ", ", or_").replace(")", "").split(", ")))
 
 
-def tables(path: Path, load: Callable[[Path], object]) -> Iterator[str]:
+def table_keys(path: Path, load: Callable[[Path], object]) -> Iterator[str]:
     """Yield each table of a TOML file with the keys that it may have."""
     text = path.read_text()
     for head in ("format", *re.findall(r"^\[\w+\]", text, re.M)):
-        path.write_text(re.sub(rf"^{re.escape(head)}.*", rf"\g<0>\n{ODD} = 1", text, flags=re.M))
+        path.write_text(
+            re.sub(rf"^{re.escape(head)}.*", rf"\g<0>\n{UNKNOWN_KEY} = 1", text, flags=re.M)
+        )
         try:
             load(path)
         except sn.BadInput as error:
-            yield f"{head.replace('format', 'top')}: {names_in(error)}"
+            yield f"{head.replace('format', 'top')}: {listed_names(error)}"
     path.write_text(text)
 
 
@@ -143,26 +147,26 @@ def scene_keys() -> Iterator[str]:
     sn.save_scene(servo, "scene.toml")
     text = Path("scene.toml").read_text().replace("[locked_rad]", "#").replace("\n1 =", "\n#")
     Path("scene.toml").write_text(text)
-    yield from tables(Path("scene.toml"), sn.load_scene)
+    yield from table_keys(Path("scene.toml"), sn.load_scene)
     torque = sn.TorqueTable([0.0, 1.0], [[0.0] * 5] * 2)
     sn.save_scene(sn.Scene(*parts, drive="torque", torque=torque), "scene.toml")
-    yield from tables(Path("scene.toml"), sn.load_scene)
+    yield from table_keys(Path("scene.toml"), sn.load_scene)
 
 
 def session_keys() -> Iterator[str]:
     """Yield the tables of session.toml, columns of the files beside it, and kinds of readings."""
-    yield from tables(Path("MINE", "session.toml"), lambda path: sn.load_session(path.parent))
+    yield from table_keys(Path("MINE", "session.toml"), lambda path: sn.load_session(path.parent))
     for name in ("readings.csv", "events.csv"):
         header = Path("MINE", name).read_text().split("\n", 1)[0]
         yield f"{name}: {header.replace(',', ' ')}"
-    for kind in KINDS:
-        refused = CliRunner().invoke(cli, ["calibrate", "add", "MINE", kind, f"{ODD}=1"])
-        yield f"kind {kind}: {names_in(refused.exception)}"
+    for kind in READING_KINDS:
+        refused = CliRunner().invoke(cli, ["calibrate", "add", "MINE", kind, f"{UNKNOWN_KEY}=1"])
+        yield f"kind {kind}: {listed_names(refused.exception)}"
 
 
 def python_names() -> Iterator[str]:
-    """Yield all that Python's users call, with parameters and members."""
-    public = {f"serpenoid.base.errors.{n}": v for n, v in vars(errors).items() if ours(v)}
+    """Yield the public names of Python, with their parameters and members."""
+    public = {f"serpenoid.base.errors.{n}": v for n, v in vars(errors).items() if is_ours(v)}
     public |= {f"sn.{name}": getattr(sn, name) for name in sn.__all__}
     public["serpenoid.robot.RobotBoard"] = RobotBoard
     public["serpenoid.robot.recording.stream.load_stream"] = load_stream
@@ -174,7 +178,7 @@ def python_names() -> Iterator[str]:
             yield from members(value) if isinstance(value, type) else ()
 
 
-def ours(value: object) -> bool:
+def is_ours(value: object) -> bool:
     """Tell whether this package defines it."""
     return getattr(value, "__module__", "").startswith("serpenoid.")
 
@@ -184,28 +188,28 @@ def members(kind: type) -> list[str]:
     public = (
         {f.name: "" for f in dataclasses.fields(kind)} if dataclasses.is_dataclass(kind) else {}
     )
-    for base in filter(ours, kind.__mro__):
+    for base in filter(is_ours, kind.__mro__):
         public |= {n: parameters(v) for n, v in vars(base).items() if n not in public}
     return sorted(f"    {name}{signature}" for name, signature in public.items() if name[0] != "_")
 
 
 def parameters(value: Any) -> str:
-    """Return the parameters that a call takes, with defaults; nothing of what is not called."""
+    """Return the parameters of a callable with their defaults; "" for other values."""
     value = getattr(value, "__func__", value)
     if not callable(value):
         return ""
     shown = []
     for p in inspect.signature(value).parameters.values():
-        usual = "" if p.default is p.empty else f"={p.default!r}"
+        default = "" if p.default is p.empty else f"={p.default!r}"
         if dataclasses.is_dataclass(p.default):
-            usual = f"={type(p.default).__name__}(...)"
+            default = f"={type(p.default).__name__}(...)"
         star = "*" if p.kind is p.KEYWORD_ONLY and not any("*" in text for text in shown) else ""
-        shown += [star] * bool(star) + [p.name + usual]
+        shown += [star] * bool(star) + [p.name + default]
     return f"({', '.join(shown)})"
 
 
 def make_inputs() -> None:
-    """Make a session with a crawl, and a servo's test: the joint follows a step."""
+    """Write MINE, a session with a crawl, and BENCH, a bench test: a joint follows a step."""
     run("calibrate new MINE --defaults --simulated")
     for bend, incline, belt in STATIONS:
         cells = f"lambda_deg={bend} incline_deg={incline} belt_speed_m_s={belt}"
@@ -222,19 +226,19 @@ def make_inputs() -> None:
 def sections() -> Iterator[tuple[str, Iterable[str]]]:
     """Yield each part: its heading and its lines."""
     yield "Commands", commands(cli)
-    # A bench test by few samples lists every value that a test may show.
+    # A fit to the bench test that lists every parameter, however uncertain; few samples are quick.
     short = bench_fit.FitTuning(best_starts=2, moves=10, samples=64, max_sigma_ratio=1e9)
     with patch.object(bench_fit, "TUNING", short):
         for line in ANSWERS:
-            yield f"JSON: {line}", by_table(json.loads(run(f"{line} --json")))
+            yield f"JSON: {line}", keys_by_table(json.loads(run(f"{line} --json")))
     yield "Files: a scene", dict.fromkeys(scene_keys())
     yield "Files: a session", session_keys()
-    yield "Files: fit.json", by_table(json.loads(Path("MINE", "fit.json").read_text()))
+    yield "Files: fit.json", keys_by_table(json.loads(Path("MINE", "fit.json").read_text()))
     yield "Python", python_names()
 
 
 def public() -> str:
-    """Return the whole text; the current folder is empty and takes what the commands write."""
+    """Return the text of public.txt; the current folder must be empty, and gets files."""
     make_inputs()
     parts = (f"# {heading}\n" + "\n".join(lines) + "\n" for heading, lines in sections())
     return "\n".join(parts)

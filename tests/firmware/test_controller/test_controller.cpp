@@ -1,4 +1,4 @@
-// The whole controller on a simulated board: dialogue, motion, silence, stops, rollovers, saves.
+// The controller on a simulated board: silence, stops, moves, overflow of clocks, limp servos.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -13,11 +13,11 @@ using namespace firmware;
 
 namespace {
 
-// A board and the host's end of its wire.
+// A board and the host at the other end of its wire.
 struct Bench {
     VirtualBoard board;
-    std::vector<std::string> lines;  // all but telemetry, CRC checked and taken off
-    std::vector<std::string> frames;
+    std::vector<std::string> lines;   // answers and events, without their CRC
+    std::vector<std::string> frames;  // telemetry, without its CRC
     std::string rest;
     int number = 0;
 
@@ -35,18 +35,20 @@ struct Bench {
             (body.compare(0, 2, "t:") == 0 ? frames : lines).push_back(body);
         }
     }
-    // The last verdict or event after these bytes.
-    std::string raw(const std::string& bytes, double seconds = 0.05) {
+    // Send bytes and return the last answer or event in the following time, or "".
+    std::string send(const std::string& bytes, double seconds = 0.05) {
         const size_t before = lines.size();
         board.send_to_board(bytes);
         run(seconds);
         return lines.size() > before ? lines.back() : "";
     }
+    // The same for a line without a number and CRC, as a person types it.
     std::string type(const std::string& body, double seconds = 0.05) {
-        return raw(body + "\n", seconds);
+        return send(body + "\n", seconds);
     }
+    // The same for a line with a number and CRC, as host programs send it.
     std::string ask(const std::string& body, double seconds = 0.05) {
-        return raw(sealed("#" + std::to_string(++number) + " " + body), seconds);
+        return send(sealed("#" + std::to_string(++number) + " " + body), seconds);
     }
     State state() const { return board.controller().state(); }
     const Counters& counters() const { return board.controller().counters(); }
@@ -78,49 +80,49 @@ TEST_CASE("silence stops what moves, leaves what holds, and can be off") {
     CHECK(b.state() == State::Gait);
 }
 
-TEST_CASE("noise is no sign of life, a good line is") {
+TEST_CASE("only valid lines, and no noise, prevent the silence timer") {
     Bench b;
     b.ask("hello");
     b.ask("gait 30 80 5");
     for (int k = 0; k < 50; ++k) b.ask("ping", 0.1);
     CHECK(b.state() == State::Gait);
-    for (int k = 0; k < 30; ++k) b.raw("#9 noise *0000\n", 0.1);
+    for (int k = 0; k < 30; ++k) b.send("#9 noise *0000\n", 0.1);
     CHECK(b.state() == State::Safe);
 }
 
-TEST_CASE("nothing swallows a stop: neither what stands before it, nor a pause, nor what follows") {
-    const std::string befores[] = {"",
-                                   "x",
-                                   "#9 pin",
-                                   "#12 gait 3",
-                                   "\xFF",
-                                   std::string("\x00\xFE\x80", 3),
-                                   "sto",
-                                   "#9 ping *",
-                                   "an overlong line with no end in sight, an overlong line with "
-                                   "no end in sight, an overlong"};
-    const std::string afters[] = {"", "\n", "\xFF", "x\n", " *1234\n"};
-    for (const std::string& before : befores) {
-        for (const std::string& after : afters) {
+TEST_CASE("a stop is obeyed whatever bytes and pauses come before and after it") {
+    const std::string prefixes[] = {"",
+                                    "x",
+                                    "#9 pin",
+                                    "#12 gait 3",
+                                    "\xFF",
+                                    std::string("\x00\xFE\x80", 3),
+                                    "sto",
+                                    "#9 ping *",
+                                    "an overlong line with no end in sight, an overlong line with "
+                                    "no end in sight, an overlong"};
+    const std::string suffixes[] = {"", "\n", "\xFF", "x\n", " *1234\n"};
+    for (const std::string& prefix : prefixes) {
+        for (const std::string& suffix : suffixes) {
             for (const double pause_s : {0.0, 0.15}) {
                 for (const bool session : {false, true}) {
-                    CAPTURE(before);
-                    CAPTURE(after);
+                    CAPTURE(prefix);
+                    CAPTURE(suffix);
                     CAPTURE(pause_s);
                     CAPTURE(session);
                     Bench b;
                     if (session) b.ask("hello");
                     session ? b.ask("gait 30 80 5", 0.2) : b.type("gait 30 80 5", 0.2);
-                    b.raw(before, pause_s);
-                    const size_t heard = b.lines.size();
-                    b.raw("!" + after, 0.024);
+                    b.send(prefix, pause_s);
+                    const size_t first_line = b.lines.size();
+                    b.send("!" + suffix, 0.024);
                     CHECK(b.state() == State::Hold);
-                    REQUIRE(b.lines.size() >= heard + 2);
-                    CHECK(b.lines[heard] == "state: hold why=key");
-                    CHECK(b.lines[heard + 1] == "ok: #!");
-                    const double held = b.angle_deg(2);
+                    REQUIRE(b.lines.size() >= first_line + 2);
+                    CHECK(b.lines[first_line] == "state: hold why=key");
+                    CHECK(b.lines[first_line + 1] == "ok: #!");
+                    const double hold_deg = b.angle_deg(2);
                     b.run(0.3);
-                    CHECK(b.angle_deg(2) == held);
+                    CHECK(b.angle_deg(2) == hold_deg);
                     CHECK(b.state() == State::Hold);
                 }
             }
@@ -143,7 +145,7 @@ TEST_CASE("a new centre is approached slowly") {
     }
 }
 
-TEST_CASE("clock and frame number run over without a hitch") {
+TEST_CASE("frames go on evenly when the clock and the frame number overflow") {
     Bench b((1ULL << 32) - 2000000, 0xFFFFFFFFu - 100);
     b.type("set silence off");
     b.type("gait 30 80 5", 1);
@@ -160,7 +162,7 @@ TEST_CASE("clock and frame number run over without a hitch") {
     CHECK(b.counters().late_us < 100);
 }
 
-TEST_CASE("missed frames are counted and the phase keeps to the clock") {
+TEST_CASE("missed frames are counted and the phase follows the clock") {
     Bench b, steady;
     for (Bench* bench : {&b, &steady}) {
         bench->type("set silence off");
@@ -170,30 +172,30 @@ TEST_CASE("missed frames are counted and the phase keeps to the clock") {
     steady.run(0.205);
     b.run(1);
     steady.run(1);
-    CHECK(b.counters().overruns >= 9);  // 10.25 frames, less what was left of the running one
+    CHECK(b.counters().overruns >= 9);  // 10.25 frames, minus the rest of the running frame
     CHECK(b.counters().overruns <= 10);
     CHECK(b.board.controller().frame_number() == steady.board.controller().frame_number());
     CHECK(b.board.controller().motion().phase() == steady.board.controller().motion().phase());
 }
 
-TEST_CASE("joints that a slow servo holds back are counted, on their way up and down") {
+TEST_CASE("joints that a slow servo limits are counted, upwards and downwards") {
     Bench b;
     b.type("set silence off");
     b.type("gait 60 0 3", 8);
     CHECK(b.type("set servo_speed 100") == "ok: #-");
-    int ways[2] = {};  // frames with all joints held back, by the way they go
+    int limited_frames[2] = {};  // numbers of frames with all joints limited: downwards, upwards
     double before = b.angle_deg(0);
     for (int frame = 0; frame < 210; ++frame) {  // two periods
         b.run(0.02);
         const int clipped = b.board.controller().motion().clipped();
-        ways[b.angle_deg(0) > before] += clipped == joint_count;
+        limited_frames[b.angle_deg(0) > before] += clipped == joint_count;
         before = b.angle_deg(0);
     }
-    CHECK(ways[0] > 20);
-    CHECK(ways[1] > 20);
+    CHECK(limited_frames[0] > 20);
+    CHECK(limited_frames[1] > 20);
 }
 
-TEST_CASE("an idle robot is limp and comes back where it was, one servo after the other") {
+TEST_CASE("an idle robot is limp; its servos return to their setpoints one after another") {
     Bench b;
     b.type("pose 20 -20 20 -20 20", 4);
     CHECK(b.board.attached() == joint_count);
@@ -211,7 +213,7 @@ TEST_CASE("an idle robot is limp and comes back where it was, one servo after th
     CHECK(b.board.servo_us(0) == 1500);
 }
 
-TEST_CASE("a stop ends the attaching too, and what is limp stays limp until told to move") {
+TEST_CASE("a stop ends the attaching of servos; limp ones stay limp until the next move") {
     Bench b;
     b.type("gait 30 80 5", 0.15);
     CHECK(b.board.attached() == 2);
@@ -223,16 +225,16 @@ TEST_CASE("a stop ends the attaching too, and what is limp stays limp until told
     CHECK(b.board.attached() == joint_count);
 }
 
-TEST_CASE("a robot that stands still goes limp when its host has been gone for a while") {
-    for (const char* still : {"pose straight 10", "gait 30 80 5", "stop"}) {
-        CAPTURE(still);
+TEST_CASE("a robot at rest goes limp some time after its host's last line") {
+    for (const char* last_command : {"pose straight 10", "gait 30 80 5", "stop"}) {
+        CAPTURE(last_command);
         Bench b;
         b.type("set limp 5");
         b.type("gait 30 80 5", 1);
         for (int k = 0; k < 12; ++k) b.type("ping", 1);  // its host is there
         CHECK(b.state() == State::Gait);
-        b.type(still, 4.9);
-        const bool stopped = still[0] == 's', posed = still[0] == 'p';
+        b.type(last_command, 4.9);
+        const bool stopped = last_command[0] == 's', posed = last_command[0] == 'p';
         CHECK(b.state() == (stopped ? State::Hold : posed ? State::Pose : State::Safe));
         b.run(0.3);
         CHECK(b.state() == State::Idle);
@@ -241,7 +243,7 @@ TEST_CASE("a robot that stands still goes limp when its host has been gone for a
     }
 }
 
-TEST_CASE("silence while servos are being attached makes those limp that are") {
+TEST_CASE("silence while servos are being attached makes the attached ones limp") {
     Bench b;
     b.type("set silence 0.2");
     b.type("pose straight", 0.15);
@@ -253,12 +255,12 @@ TEST_CASE("silence while servos are being attached makes those limp that are") {
     b.type("pose straight", 0.15);
     b.board.send_to_board("status\n");
     b.run(0.03);
-    bool told = false;
-    for (const std::string& line : b.lines) told = told || line.find(" attached=2 ") < line.size();
-    CHECK(told);
+    bool is_reported = false;
+    for (const std::string& line : b.lines) is_reported |= line.find(" attached=2 ") < line.size();
+    CHECK(is_reported);
 }
 
-TEST_CASE("a stop overtakes what came before it, and nothing before it is obeyed after it") {
+TEST_CASE("a stop overtakes commands from before it, and these are not obeyed after it") {
     Bench b;
     b.ask("hello");
     b.ask("gait 30 80 5", 2);
@@ -268,7 +270,7 @@ TEST_CASE("a stop overtakes what came before it, and nothing before it is obeyed
         lines += sealed("#" + std::to_string(++b.number) + " " + body);
     }
     b.board.send_to_board(lines + "!\n");
-    b.run(0.004);  // the bytes of it, and a frame at the most
+    b.run(0.004);  // time to receive these bytes, and at most a frame
     CHECK(b.state() == State::Hold);
     b.run(1);
     CHECK(b.state() == State::Hold);
@@ -283,7 +285,7 @@ TEST_CASE("a stop overtakes what came before it, and nothing before it is obeyed
     CHECK(b.state() == State::Gait);
 }
 
-TEST_CASE("a legal change of a legal gait never clips and keeps its bounds") {
+TEST_CASE("a change between allowed gaits never clips, and accelerations stay bounded") {
     struct Shape {
         double alpha, beta, omega, offset;
     };
@@ -291,21 +293,22 @@ TEST_CASE("a legal change of a legal gait never clips and keeps its bounds") {
                             {50, 60, 10, 0},   {10, 180, 30, -20}, {89, 0, 5.6, 0},
                             {30, 80, 1, 40},   {30, 80, 5, -40},   {5, 120, 2, 0}};
     const int n = sizeof shapes / sizeof shapes[0];
-    std::vector<int> tour;  // with each ordered pair once: 0 0 1 0 2 ... 1 1 2 1 3 ... 0
-    for (int one = 0; one < n; ++one) {
-        tour.push_back(one);
-        for (int other = one + 1; other < n; ++other) tour.insert(tour.end(), {one, other});
+    // Contains each ordered pair of gaits once: 0 0 1 0 2 ... 1 1 2 1 3 ... 0.
+    std::vector<int> tour;
+    for (int i = 0; i < n; ++i) {
+        tour.push_back(i);
+        for (int j = i + 1; j < n; ++j) tour.insert(tour.end(), {i, j});
     }
     tour.push_back(0);
-    const auto strength = [&](int k) {
+    const auto max_acceleration = [&](int k) {
         return shapes[k].alpha * shapes[k].omega * shapes[k].omega;
     };
     Bench b;
     b.type("set silence off");
-    double before[kMaxJoints] = {}, earlier[kMaxJoints] = {};
-    int from = 0;
-    for (const int to : tour) {
-        const Shape& s = shapes[to];
+    double previous_deg[kMaxJoints] = {}, second_last_deg[kMaxJoints] = {};
+    int last = 0;
+    for (const int next : tour) {
+        const Shape& s = shapes[next];
         b.type("gait " + std::to_string(s.alpha) + " " + std::to_string(s.beta) + " " +
                    std::to_string(s.omega) + " " + std::to_string(s.offset),
                0.02);
@@ -313,18 +316,20 @@ TEST_CASE("a legal change of a legal gait never clips and keeps its bounds") {
         for (int frame = 0; frame < 700; ++frame) {
             b.run(0.02);
             for (uint8_t i = 0; i < joint_count; ++i) {
-                const double now = b.angle_deg(i);
-                const double bend = (now - 2 * before[i] + earlier[i]) / (0.02 * 0.02);
-                if (frame > 1) worst = std::max(worst, std::fabs(bend));
-                earlier[i] = before[i];
-                before[i] = now;
+                const double angle_deg = b.angle_deg(i);
+                const double acceleration =
+                    (angle_deg - 2 * previous_deg[i] + second_last_deg[i]) / (0.02 * 0.02);
+                if (frame > 1) worst = std::max(worst, std::fabs(acceleration));
+                second_last_deg[i] = previous_deg[i];
+                previous_deg[i] = angle_deg;
             }
         }
-        CAPTURE(from);
-        CAPTURE(to);
+        CAPTURE(last);
+        CAPTURE(next);
         CHECK(b.counters().clipped == 0);
-        // Roundings of three setpoints to 0.0035 degrees, twice over in the blend: 35 deg/s².
-        CHECK(worst <= 2 * std::max(strength(from), strength(to)) + 35);
-        from = to;
+        // The second difference of setpoints, each rounded to 0.0035 degrees and in a blend of two
+        // gaits rounded twice, is wrong by up to 35 deg/s².
+        CHECK(worst <= 2 * std::max(max_acceleration(last), max_acceleration(next)) + 35);
+        last = next;
     }
 }

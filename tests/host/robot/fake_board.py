@@ -1,4 +1,4 @@
-"""Boards that misbehave as told, in lockstep or behind a pseudo-terminal: the tampered firmware."""
+"""Virtual boards whose lines a test may change or lose, in lockstep or at a pseudo-terminal."""
 
 from __future__ import annotations
 
@@ -20,13 +20,14 @@ from serpenoid._core import firmware
 from serpenoid.base.errors import RobotLost
 from serpenoid.robot.wire.virtual import VirtualLink
 
+# Gets one line with its end and returns the bytes that arrive in its place.
 Tamper = Callable[[bytes], bytes]
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
 GAIT_TYPED = "--alpha-deg 30 --beta-deg 80 --omega-rad-s 5"
-MOST_AT_ONCE_S = 0.02  # that the board runs before its host may speak again
+MAX_STEP_S = 0.02  # the board runs for at most this time before it reads again
 
 
-def honest(line: bytes) -> bytes:
+def unchanged(line: bytes) -> bytes:
     return line
 
 
@@ -35,24 +36,24 @@ def nothing(_: bytes) -> bytes:
 
 
 def without(*words: str) -> Tamper:
-    """Return a tamper that loses the lines which start with one of the words."""
+    """Return a tamper that removes the lines which start with one of the words."""
     return lambda line: b"" if line.startswith(tuple(w.encode() for w in words)) else line
 
 
 def resealed(line: bytes, pattern: bytes, by: bytes) -> bytes:
-    """Return a line with its body changed and its CRC right again."""
+    """Return a line with a change in its body, and with the CRC of the changed line."""
     body = line.rpartition(b" *")[0]
     changed = re.sub(pattern, by, body)
     return line if changed == body else sealed(changed.decode())
 
 
 def greeting(pattern: bytes, by: bytes) -> Tamper:
-    """Return a tamper that changes what the board greets with."""
+    """Return a tamper that changes the board's answer to `hello`."""
     return lambda line: resealed(line, pattern, by) if line.startswith(b"hello:") else line
 
 
 def eeprom_after(*commands: str) -> bytes:
-    """Return the EEPROM of a board that was given commands, then `save unattended`."""
+    """Return the EEPROM of a board after some commands and `save unattended`."""
     board = firmware.Board()
     board.boot()
     board.write("".join(f"{command}\n" for command in (*commands, "save unattended")).encode())
@@ -61,13 +62,15 @@ def eeprom_after(*commands: str) -> bytes:
 
 
 class FastBoard(VirtualLink):
-    """A virtual board in lockstep, which a RobotBoard takes for its port: patience passes at once.
+    """A virtual board in lockstep, usable as the port of a RobotBoard: waiting takes no real time.
 
-    Every line passes through to_host or to_board first; both may be exchanged at any time, get one
-    line with its end and return any bytes. Opening resets nothing.
+    Every line first passes through to_host or to_board, which a test may replace at any time. The
+    board is not reset when the port is opened.
     """
 
-    def __init__(self, to_host: Tamper = honest, to_board: Tamper = honest, *, fast: bool = True):
+    def __init__(
+        self, to_host: Tamper = unchanged, to_board: Tamper = unchanged, *, fast: bool = True
+    ):
         super().__init__(fast=fast)
         self.to_host, self.to_board = to_host, to_board
         self.received, self._rest, self._unplugged = b"", b"", False
@@ -100,16 +103,16 @@ class FastBoard(VirtualLink):
 
 
 class FakeBoard(FastBoard):
-    """The same board in real time, behind a pseudo-terminal.
+    """The same board in real time, at a pseudo-terminal.
 
-    Opening the port starts the board again, as the reset of a real one does. pace: the clock it
-    goes by; a host in another process knows the wall's alone.
+    Opening the port resets the board, as with a real one. pace: the clock that the board follows;
+    it must be time.monotonic if the host runs in another process.
     """
 
     def __init__(
         self,
-        to_host: Tamper = honest,
-        to_board: Tamper = honest,
+        to_host: Tamper = unchanged,
+        to_board: Tamper = unchanged,
         *,
         eeprom: bytes | None = None,
         pace: Callable[[], float] = clock,
@@ -121,8 +124,8 @@ class FakeBoard(FastBoard):
         self._master, slave = pty.openpty()
         tty.setraw(slave)
         self.port = os.ttyname(slave)
-        os.close(slave)  # so that POLLHUP tells whether a host has it open
-        self._typed = b""
+        os.close(slave)  # then POLLHUP is set while no host has the port open
+        self._partial_line = b""
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
@@ -133,7 +136,7 @@ class FakeBoard(FastBoard):
         self.unplug()
 
     def unplug(self) -> None:
-        """Pull the cable; it is out on return, but where a tamper pulls it: then soon."""
+        """Pull the cable. It is out on return, or soon after it if a tamper calls this."""
         super().unplug()
         if threading.current_thread() is not self._thread:
             self._thread.join(LONG_S)
@@ -141,13 +144,13 @@ class FakeBoard(FastBoard):
     def await_state(self, state: str, most_s: float = LONG_S) -> bool:
         return until(lambda: self.state == state, most_s)
 
-    def goes_on(self, seconds: float) -> None:
-        """Wait while so much of the board's time passes."""
+    def wait_in_board_time(self, seconds: float) -> None:
+        """Wait until this time has passed on the board's clock."""
         end_s = self.board.time_s + seconds
         assert until(lambda: self.board.time_s >= end_s)
 
     def _catch_up(self) -> bytes:
-        step_s = min(self._pace() - self._run_s, MOST_AT_ONCE_S)
+        step_s = min(self._pace() - self._run_s, MAX_STEP_S)
         self._run_s += step_s
         with self._using:
             self.board.run(step_s)
@@ -164,12 +167,12 @@ class FakeBoard(FastBoard):
                     self.reset("external")
                 is_open = not state & select.POLLHUP
                 if state & select.POLLIN:
-                    lines, end, self._typed = (
-                        self._typed + os.read(self._master, 4096)
+                    lines, end, self._partial_line = (
+                        self._partial_line + os.read(self._master, 4096)
                     ).rpartition(b"\n")
                     self.write(lines + end)
-                said = self.read(0.0)
-                if is_open and said:
-                    os.write(self._master, said)
+                output = self.read(0.0)
+                if is_open and output:
+                    os.write(self._master, output)
                 time.sleep(0.002)
         os.close(self._master)

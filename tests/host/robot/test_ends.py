@@ -163,7 +163,7 @@ def test_the_robot_moves_while_a_program_sleeps_until_unattended_s():
 def test_a_suspended_process_learns_that_the_board_went_to_the_safe_pose(crawling):
     fake, robot = crawling
     robot.set("silence", 0.2)
-    fake.goes_on(0.7)  # until all servos are attached; pings prevent the silence timer
+    fake.wait_in_board_time(0.7)  # until all servos are attached; pings prevent the silence timer
     assert fake.state == "gait"
     with robot._dialogue._talking:  # no thread can send, as in a suspended process
         assert fake.await_state("safe")

@@ -22,9 +22,9 @@ from robot.fake_board import (
     FastBoard,
     Tamper,
     greeting,
-    honest,
     nothing,
     resealed,
+    unchanged,
     without,
 )
 from robot.patience import LONG_S, clock
@@ -71,7 +71,7 @@ def on_the_way_out(board: FastBoard, word: bytes, act: Callable[[], None]) -> No
     def watch(line: bytes) -> bytes:
         if word not in line:
             return line
-        board.to_board = honest
+        board.to_board = unchanged
         act()
         return line
 
@@ -82,7 +82,7 @@ def in_the_gait(tamper: Tamper, count: int = 25) -> Callable[[FastBoard], None]:
     return lambda board: setattr(board, "to_host", after_gait_frames(count, tamper))
 
 
-def once(board: FastBoard, act: Callable[[], None], then: Tamper = honest) -> Tamper:
+def once(board: FastBoard, act: Callable[[], None], then: Tamper = unchanged) -> Tamper:
     """Return a tamper that does something at its first line, and is `then` from there on."""
 
     def tamper(line: bytes) -> bytes:
@@ -116,7 +116,7 @@ LOSSES = {
         lambda board: setattr(board, "to_host", at_double_pace),
         "clock runs",
     ),
-    "reset": (reset_in_the_gait(honest), RESET),
+    "reset": (reset_in_the_gait(unchanged), RESET),
     "reset, greeting behind half a line": (reset_in_the_gait(cut_line_and_greeting), RESET),
     "reset, greeting lost": (reset_in_the_gait(without("hello:")), "frames went back from"),
     "reset at the stop": (
@@ -254,7 +254,7 @@ def test_a_motion_that_a_stop_overtook_is_not_sent_again_and_a_question_is():
             with pytest.raises(CommandRefused, match="stopped"):
                 ask()
             assert (board.received[sent:].count(b"\n") > 1) == asked_again
-        board.to_host = honest
+        board.to_host = unchanged
 
 
 def test_half_and_doubled_frames_are_counted_and_never_used():
@@ -275,7 +275,7 @@ def test_half_and_doubled_frames_are_counted_and_never_used():
         assert numbers == sorted(set(numbers))
         assert losses.damaged_lines == pytest.approx(tens, abs=1)
         assert losses.missed_frames == pytest.approx(2 * tens, abs=2)
-        board.to_host = honest
+        board.to_host = unchanged
 
 
 @pytest.mark.parametrize("moment", ["hello", "set", "gait", "frames", "pose", "status", "save"])

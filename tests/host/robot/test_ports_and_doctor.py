@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 from command_line import answer, serpenoid
-from robot.fake_board import FakeBoard, eeprom_after, greeting, honest, nothing, resealed
+from robot.fake_board import FakeBoard, eeprom_after, greeting, nothing, resealed, unchanged
 from robot.terminal import Person
 from serpenoid.base import system
 from serpenoid.base.errors import PortBusy, PortMissing
@@ -118,9 +118,9 @@ SICK = {  # what is wrong with the board: its tamper, its EEPROM; the finding an
     "a bad cable": (
         lambda said: re.sub(rb"t:(\d*[05]) j1", rb"t:\1 j!", said), b"", "counters", "fix", "cable",
     ),
-    "settings": (honest, damaged_settings(), "settings", "fix", ""),
+    "settings": (unchanged, damaged_settings(), "settings", "fix", ""),
     "brown-out": (greeting(b"=external", b"=brownout"), b"", "last reset", "fix", "supply"),
-    "silence off": (honest, eeprom_after("set silence off"), "silence", "note", ""),
+    "silence off": (unchanged, eeprom_after("set silence off"), "silence", "note", ""),
     "lost bytes": (counted(b"counters:", b"rxfull=0", b"rxfull=3"), b"", "counters", "fix", ""),
     "overruns": (counted(b"timing:", rb"overruns=\d+", b"overruns=1"), b"", "timing", "fix", ""),
     "lateness": (counted(b"timing:", rb"late_us=\d+", b"late_us=5000"), b"", "timing", "fix", ""),
