@@ -1,10 +1,10 @@
-"""The steps of a session, and the procedure: from its readings to the next step. Nothing is asked.
+"""The steps of a session, and the procedure that chooses the next step from its readings.
 
-On a treadmill: inclinometer zero by reversal; straight, stations from the first incline up to the
-top belt speed; each bend with its protractor check, then its stations; the zero again. On a floor:
-pushes there and back, straight and in each bend. Gait runs end both. Where a session stands follows
-from its rows alone, so that resuming is nothing special. Only the plan and what was read count, no
-friction.
+On a treadmill: inclinometer zero by reversal; stations of the straight robot, from the first
+incline up to the top belt speed; each bend with its protractor check, then its stations; the zero
+again. On a floor: pushes there and back, straight and in each bend. Gait runs end both. The next
+step depends only on the plan and the readings, not on fitted friction, so that an interrupted
+session goes on where it stopped.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ TUMBLING_DEG = 12.0  # Largest incline that is planned; above it the snake may t
 class Tracked(dict[str, "float | str"]):
     """Cells of a reading, with the samples of its track.
 
-    kind: kind of the reading; "" for that of the step.
+    kind: kind of the reading; "" if it is the step's kind.
     """
 
     def __init__(self, cells: Cells, samples: Samples | None = None, kind: str = ""):
@@ -53,7 +53,7 @@ class Step:
     key: its name in the journal's events. kind: kind of the reading that it gives; "straight" or
     "done" if it gives none. say: instruction to the person. fields: numbers to be read.
     lambda_deg, incline_deg: the plan's bend and incline. settle_s: time to wait before reading.
-    gait: the gait to be run. cells: columns of the reading that the plan determines.
+    gait: the gait to be run. cells: values of the reading that the plan determines, by column.
     """
 
     key: str
@@ -99,7 +99,7 @@ def _nearest_bend(plan: Plan, lambda_rad: float) -> float:
     return min(planned_bends(plan), key=lambda bend_deg: abs(bend_deg - shown_deg))
 
 
-def taken_in(session: Session, bend_deg: float) -> list[Any]:
+def bend_readings(session: Session, bend_deg: float) -> list[Any]:
     """Return the kept readings in one of the plan's bends: stations, or pushes on a floor."""
     plan = session.setup.plan
     return [
@@ -122,17 +122,17 @@ def shown_bend(session: Session, bend_deg: float) -> float | None:
 
 
 def friction_factor(bend_deg: float) -> float:
-    """Return the rolling friction of a bent robot over a straight one's, as of the 2005 robot."""
+    """Return the ratio of rolling friction, bent to straight, of the 2005 robot."""
     return 1.0 + 1.4 * math.radians(bend_deg)
 
 
-def line_of(session: Session, bend_deg: float) -> tuple[float, float] | None:
+def station_line(session: Session, bend_deg: float) -> tuple[float, float] | None:
     """Return slope and offset, m/s, of the line through a bend's stations.
 
     The line is the belt's speed past the robot as a function of sin(incline). None if there are
     fewer than two inclines, or if the line falls.
     """
-    stations = taken_in(session, bend_deg)
+    stations = bend_readings(session, bend_deg)
     sines = [math.sin(station.incline_rad) for station in stations]
     same_sine = 1e-4  # Range of the sines below which no line is fitted.
     if not sines or np.ptp(sines) < same_sine:
@@ -142,14 +142,14 @@ def line_of(session: Session, bend_deg: float) -> tuple[float, float] | None:
 
 
 def next_step(session: Session, posed_deg: float | None = None) -> Step:
-    """Return what to do next; kind "done" when nothing is left.
+    """Return the next step of the plan; its kind is "done" if no step is left.
 
-    posed_deg: how the robot lies now, the plan's bend in degrees; None when that is not known, as
-    at the start.
+    posed_deg: the plan's bend in which the robot lies now; None if it is not known, as at the
+    start.
     """
     step = next((step for _, _, step in _parts(session) if step is not None), None)
     if step is None:
-        fit = f"`serpenoid fit {session.folder or 'DIR'}` tells the friction"
+        fit = f"`serpenoid fit {session.folder or 'DIR'}` computes the friction"
         return Step("done", "done", f"Nothing of the plan is left to take; {fit}.")
     if step.kind not in ("station", "push"):
         return step
@@ -160,12 +160,12 @@ def next_step(session: Session, posed_deg: float | None = None) -> Step:
 
 
 def progress(session: Session) -> list[tuple[str, str]]:
-    """Return the parts of the plan and how far each is, in words."""
+    """Return the parts of the plan, and the progress of each in words."""
     return [(name, state) for name, state, _ in _parts(session)]
 
 
 def _parts(session: Session) -> Iterator[tuple[str, str, Step | None]]:
-    """Yield the parts of the plan: name, how far it is, and its next step, None where none is."""
+    """Yield each part of the plan: name, progress in words, and next step (None if it has none)."""
     plan, skipped = session.setup.plan, session.skipped
     floor, begun = plan.on == "floor", bool(session.kept_stations)
     zeros = [zero.at_start for zero in session.kept_of("zero")]
@@ -175,7 +175,7 @@ def _parts(session: Session) -> Iterator[tuple[str, str, Step | None]]:
     )
     belt_words = (
         "Belt check, robot off the belt: mark the belt's edge, run it at a speed that you used "
-        "much, and time ten turns or more. The way is turns times the belt's length."
+        "often, and time ten turns or more. The distance is turns times the belt's length."
     )
 
     def check(
@@ -188,7 +188,7 @@ def _parts(session: Session) -> Iterator[tuple[str, str, Step | None]]:
     if not floor:
         yield check("zero before", ZeroReading, zero_words, not begun, True in zeros)
     for bend_deg in planned_bends(plan):
-        key, count = pose_key(plan, bend_deg), len(taken_in(session, bend_deg))
+        key, count = pose_key(plan, bend_deg), len(bend_readings(session, bend_deg))
         step = _push(session, bend_deg) if floor else _station(session, bend_deg)
         step = None if key in skipped else step
         amount = f"{count} of {plan.pushes}" if floor else count_text(count, "station")
@@ -228,7 +228,7 @@ def _pose(setup: Setup, bend_deg: float) -> Step:
 
 def _push(session: Session, bend_deg: float) -> Step | None:
     """Return the next push in a pose; None where all are done."""
-    plan, done = session.setup.plan, taken_in(session, bend_deg)
+    plan, done = session.setup.plan, bend_readings(session, bend_deg)
     pose = pose_key(plan, bend_deg).removeprefix("pushes, ")
     keys = [f"push {number} of {plan.pushes}, {pose}" for number in range(1, plan.pushes + 1)]
     to_come = [key for key in keys if key not in session.skipped][len(done) :]
@@ -248,26 +248,26 @@ def _push(session: Session, bend_deg: float) -> Step | None:
 
 
 def next_incline_deg(session: Session, bend_deg: float) -> float | None:
-    """Return the incline of a bend's next station, None when it needs no more.
+    """Return the incline of a bend's next station, deg; None if the bend is done.
 
-    The first is the plan's, or the least at which a lesser bend held, made steeper as its friction
-    asks. While all stations are fast, the next is less steep, because slow stations tell dry
-    friction. Otherwise it is steeper: by the plan's step, or by what raises the speed by a fifth of
-    the top speed. A bend is done when that would pass the top speed, or the incline at which the
-    snake tumbles.
+    The first incline is the plan's, or the lowest of a smaller bend times the ratio of the two
+    bends' friction, if that is steeper. While all stations are fast, the next is less steep,
+    because slow stations determine dry friction. Otherwise it is steeper: by the plan's step, or by
+    what raises the speed by a fifth of the top speed. A bend is done when the next station would
+    pass the top speed, or the incline at which the snake may tumble.
     """
     plan, top_m_s = session.setup.plan, session.setup.plan.belt_speed_max_m_s
-    stations = taken_in(session, bend_deg)
+    stations = bend_readings(session, bend_deg)
     skipped = [key for key in session.skipped if key.startswith(_station_key(bend_deg))]
     inclines_deg = [math.degrees(station.incline_rad) for station in stations]
     tried = inclines_deg + [float(key.split()[-2]) for key in skipped]
     if not tried:
         return _first_incline_deg(session, bend_deg)
-    # The treadmill's own step at least, or its rounding could stay below for ever.
+    # With less than the treadmill's own step, its rounding could give the same incline for ever.
     step_deg = math.degrees(max(plan.incline_step_rad, session.setup.instruments.incline_step_rad))
     speeds = [station.slip_speed_m_s for station in stations]
     lowest_deg, fastest_m_s = min(tried), max(speeds, default=0.0)
-    line = line_of(session, bend_deg)
+    line = station_line(session, bend_deg)
     step_deg *= 1.0 if line else friction_factor(bend_deg)
     slower_deg = lowest_deg - step_deg
     is_held = slower_deg > 0.0 and (line is None or _speed_on(line, slower_deg) > MIN_SLIP_M_S)
@@ -279,7 +279,9 @@ def next_incline_deg(session: Session, bend_deg: float) -> float | None:
         sine = (fastest_m_s + top_m_s / 5 - offset_m_s) / slope
         next_deg = max(next_deg, math.degrees(math.asin(min(max(sine, 0.0), 1.0))))
         next_m_s = _speed_on(line, next_deg)
-    done_share = 0.85  # share of the top speed that ends a bend, as a station beyond 1 / 0.85 would
+    # A bend ends at this share of the top speed, or if the next station would pass the top speed
+    # over this share.
+    done_share = 0.85
     done = max(fastest_m_s, done_share**2 * next_m_s) > done_share * top_m_s
     return None if done or next_deg > TUMBLING_DEG else round(next_deg, 3)
 
@@ -298,7 +300,7 @@ def _first_incline_deg(session: Session, bend_deg: float) -> float:
     for lesser_deg in planned_bends(plan):
         factor = friction_factor(bend_deg) / friction_factor(lesser_deg)
         inclines_deg = [
-            math.degrees(station.incline_rad) for station in taken_in(session, lesser_deg)
+            math.degrees(station.incline_rad) for station in bend_readings(session, lesser_deg)
         ]
         if lesser_deg < bend_deg and inclines_deg:
             inclines.append(factor * min(inclines_deg))
@@ -308,9 +310,9 @@ def _first_incline_deg(session: Session, bend_deg: float) -> float:
 def expected_speed(session: Session, bend_deg: float, incline_deg: float) -> Range | None:
     """Return the range of belt speeds past the robot that is expected at a station, m/s.
 
-    None before two stations tell it.
+    None if the stations of the bend determine no line.
     """
-    line = line_of(session, bend_deg)
+    line = station_line(session, bend_deg)
     if line is None:
         return None
     speed_m_s = max(_speed_on(line, incline_deg), MIN_SLIP_M_S)
@@ -320,19 +322,19 @@ def expected_speed(session: Session, bend_deg: float, incline_deg: float) -> Ran
 
 
 def expected_ranges(session: Session, step: Step, cells: Cells) -> dict[str, Range | None]:
-    """Return the ranges that the numbers of a step are expected in, by columns; None: anywhere.
+    """Return the expected range of each number of a step, by column; None: any value.
 
-    A station's belt speed is judged at the incline that was typed, with the drift taken off.
+    A station's belt speed is compared with the range for the typed incline, plus the typed drift.
     """
     likely = {field.column: field.likely for field in step.fields}
     if step.kind == "station":
         incline_deg = float(cells.get("incline_deg", step.incline_deg))
-        anything = MIN_SLIP_M_S, session.setup.plan.belt_speed_max_m_s
-        low, high = expected_speed(session, step.lambda_deg, incline_deg) or anything
+        allowed = MIN_SLIP_M_S, session.setup.plan.belt_speed_max_m_s
+        low, high = expected_speed(session, step.lambda_deg, incline_deg) or allowed
         drift_m_s = float(cells.get("drift_m_s", 0.0))
         likely["belt_speed_m_s"] = low + drift_m_s, high + drift_m_s
-    if step.kind == "zero":  # turned end for end it shows the same with the other sign
-        # Beyond a zero of 0.5 deg a sign was forgotten, or the inclinometer is not one to use.
+    if step.kind == "zero":  # turned end for end, a true inclinometer shows the negative value
+        # A zero of more than 0.5 deg means a forgotten sign, or an inclinometer that is unfit.
         other_deg, max_zero_deg = -float(cells["incline_deg"]), 0.5
         likely["reversed_deg"] = other_deg - 2 * max_zero_deg, other_deg + 2 * max_zero_deg
     return likely
@@ -343,9 +345,10 @@ def _station(session: Session, bend_deg: float) -> Step | None:
     incline_deg = next_incline_deg(session, bend_deg)
     if incline_deg is None:
         return None
-    plan, first = session.setup.plan, not taken_in(session, bend_deg)
-    line = line_of(session, bend_deg) or line_of(session, 0.0) or (53.0, 0.0)  # the 2005 robot's
-    # After three times m / C_t 5 % of a disturbance is left.
+    plan, first = session.setup.plan, not bend_readings(session, bend_deg)
+    # The last line is that of the 2005 robot.
+    line = station_line(session, bend_deg) or station_line(session, 0.0) or (53.0, 0.0)
+    # After three time constants m / C_t, 5 % of a disturbance is left.
     settle_s = 3.0 * line[0] / session.setup.laboratory.gravity_m_s2
     likely, hint = expected_speed(session, bend_deg, incline_deg), ""
     if likely is not None:
@@ -363,7 +366,8 @@ def _station(session: Session, bend_deg: float) -> Step | None:
             "left), as 0.01 3deg. If it goes on drifting, type its places over some 4 s as s:m, "
             f"{EXAMPLE}, or the file of their table."
         )
-    # A misread first station leads its whole bend astray: straight, a far one is asked about.
+    # A misread incline misplaces all later stations, so one far from the wanted incline is queried.
+    # The first of a bent robot may have to be much steeper.
     far_deg = 2 * plan.incline_step_deg
     high_deg = TUMBLING_DEG if first and bend_deg else incline_deg + far_deg
     incline, *fields = Reading.questions("incline_deg", "belt_speed_m_s", "drift_m_s", "turned_deg")
@@ -384,12 +388,12 @@ def _gait_run(session: Session) -> Step | None:
     crawls = [(run.alpha_rad, run.beta_rad, run.omega_rad_s) for run in session.kept_crawls]
     for number, gait in enumerate(plan.gaits, 1):
         planned = gait.alpha_rad, gait.beta_rad, gait.omega_rad_s
-        # A board's clock is 5 % off at most.
+        # A board's clock is wrong by 5 % at most.
         runs = sum(np.allclose(crawl, planned, rtol=0.05) for crawl in crawls)
         key = f"gait {number}.{runs + 1}"
         if runs >= plan.gait_runs or key in session.skipped:
             continue
-        # On a floor there and back, so that its slope cancels.
+        # On a floor the runs go there and back in turn, so that its slope cancels.
         way, where = "level", "level ground"
         if plan.on == "floor":
             way = WAYS[runs % 2]

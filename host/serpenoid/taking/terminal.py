@@ -1,4 +1,4 @@
-"""A line from a person, with a limit on how long nobody answers."""
+"""Standard input and output of a dialogue, with a limit on the time without an answer."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ..base import system
 from ..base.files import visible
 from ..robot.tools.keys import KeyReader
 
-PATIENCE_S = 300.0  # time without an answer, s, after which the servos are let go
+PATIENCE_S = 300.0  # time without an answer, s, after which the servos lose power
 
 
 class Console:
     """Standard input and output; works behind a pipe, too.
 
-    keys: what single keys do while a line is asked for at a terminal, key -> function that returns
-    what to show; such as those that steer a robot. A space is one only where a line begins.
+    keys: keys that act while a line is typed at a terminal, such as those that steer a robot; key
+    -> function that acts and returns what to show. A space acts only at the start of a line.
     """
 
     def __init__(self) -> None:
@@ -38,20 +38,20 @@ class Console:
 
         tick is called twice a second while waiting.
         """
-        tick_s = 0.5  # time between two looks at a robot
+        tick_s = 0.5  # time between two calls of tick
         line, end_s, terminal = "", time.monotonic() + PATIENCE_S, sys.stdin.isatty()
         with system.single_keys() if terminal else nullcontext():
-            print(visible(prompt), end="", flush=True)  # once keys are heard
+            print(visible(prompt), end="", flush=True)  # only when keys can be read
             while True:
                 key = self._reader(tick_s)
                 if terminal and key in self.keys and not (key == " " and line):
                     shown = f"{prompt.lstrip()}{line}"[-40:]
                     print(f"\r\x1b[K  [{self.keys[key]()}] {shown}", end="", flush=True)
-                    tick()  # which tells at once of a robot that was stopped
+                    tick()  # reports a stopped robot at once
                 elif key and key not in ("enter", "end"):
                     letter = key if len(key) == 1 and key.isprintable() else ""
                     edited = line[:-1] if key == "backspace" else line + letter
-                    if terminal:  # which echoes nothing by itself
+                    if terminal:  # a pipe needs no echo
                         erased = "\b \b" * (len(line) - len(edited))
                         print(erased or edited[len(line) :], end="", flush=True)
                     line = edited
@@ -64,7 +64,7 @@ class Console:
                     tick()
 
     def forget(self) -> None:
-        """Drop what was typed ahead at a terminal; what a pipe holds was meant in this order."""
+        """Drop what was typed ahead at a terminal; lines from a pipe are kept."""
         if sys.stdin.isatty():
             self._reader.forget()
             system.forget_input()

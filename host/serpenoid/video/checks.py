@@ -22,7 +22,7 @@ from .result import FilmedRun, Remark
 from .seeing.watch import Watched
 
 MOVED_REFUSE = 0.06  # Largest allowed shift of the floor, in sides of a tag.
-PHASE_RAD = math.radians(45.0)  # Phase error of a joint that no sound servo has.
+PHASE_RAD = math.radians(45.0)  # Phase error of a joint beyond that of any servo in order.
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,9 @@ class Check:
 
     stage: name of the stage of the measurement after which it is done: "seen", "placed", "fitted",
     "followed", "moved" or "servos". measure: function of the stage's result that returns a number
-    or True; above `warn` it gives a remark with this name, above `refuse` the film is refused.
-    words: function of the stage's result and the number that returns the message.
+    or True; above `warn` it gives a remark with this name, above `refuse` the film is refused. A
+    quantity with a lower limit has a minus, as has its limit. words: function of the stage's result
+    and the number that returns the message.
     """
 
     stage: str
@@ -91,7 +92,7 @@ def _edge_cells(w: Watched) -> float:
     return float(np.nanquantile(w.edge_px / (w.sightings.side_px / 6), 0.9))
 
 
-def _steps(centres: Array) -> Any:
+def _distances(centres: Array) -> Any:
     """Return the mean distances of neighbouring tags, m, (links - 1,), given (frames, links, 2).
 
     They are masked if two tags are never seen together.
@@ -168,7 +169,7 @@ CHECKS = (
         "video tags`, with their white rim, at least 25 px a side in the film. AprilTags, other "
         "ArUco tags, the mirrored pictures of selfie cameras, and numbers that are seen twice in a "
         "picture do not count",
-        refuse=0.96,  # Share of the frames; a pattern of the floor looks like a tag in 1 of 50.
+        refuse=0.96,  # Share of the frames; in 1 of 50 a pattern of the floor looks like a tag.
     ),
     Check(
         "seen", "few frames", lambda w: -(w.sightings.visible.sum(axis=1) > 1).sum(),
@@ -180,20 +181,19 @@ CHECKS = (
     Check("seen", "camera", _camera_moved, _camera_words, MOVED_REFUSE, warn=0.015),
     Check(
         "seen", "floor", lambda w: w.ground.plain,
-        lambda w, _: "the floor shows too little to check the camera, whether it stood still; lay "
+        lambda w, _: "the floor shows too little to check whether the camera stood still; lay "
         "something printed beside the track, or add light",
         warn=0,
     ),
     Check(
         "seen", "small", lambda w: -_side_px(w),
-        lambda w, value: f"the tags are {-value:.0f} px wide; 33 px or more give the figures that "
-        "are promised: go nearer or print larger. σ of phases and rate are up to 1.7 times too "
-        "narrow",
+        lambda w, value: f"the tags are {-value:.0f} px wide; the promised accuracy needs 33 px or "
+        "more: go nearer or print larger. σ of phases and rate are up to 1.7 times too small",
         warn=-20,
     ),
     Check(
         "seen", "blur", blur_factor,
-        lambda w, factor: f"the tags' edges are {_edge_cells(w):.2f} cells wide where they move: "
+        lambda w, factor: f"the tags' edges are {_edge_cells(w):.2f} cells wide while they move: "
         f"add light or shorten the exposure; all σ are taken {factor:g} times as wide",
         warn=1,
     ),
@@ -204,17 +204,17 @@ CHECKS = (
         warn=0,
     ),
     Check(
-        "placed", "order", lambda centres: _steps(centres).max() / _steps(centres).min(),
-        lambda centres, _: f"tag {_steps(centres).argmax() + 1} and the next one are no "
+        "placed", "order", lambda centres: _distances(centres).max() / _distances(centres).min(),
+        lambda centres, _: f"tag {_distances(centres).argmax() + 1} and the next one are no "
         "neighbours; number 1 belongs on the tail, then 2, 3, ...: put them on anew",
         refuse=1.6,  # Ratio of the longest to the shortest distance of neighbours.
     ),
     Check(
         "fitted", "scale", lambda b: b.scale_off,
-        lambda b, excess: f"beside links of {1e3 * b.camera.link_m:.1f} mm the tags are "
+        lambda b, excess: f"if the links are {1e3 * b.camera.link_m:.1f} mm long, the tags are "
         f"{1e3 * b.camera.side_m:.1f} mm wide, not {1e3 * b.side_m:.1f} mm: either the links have "
         "another length or the print another scale; measure both, and give --set link_length_m=... "
-        f"or --tag-mm. Until then σ of all lengths and speeds holds these {excess:.1%}; more than "
+        f"or --tag-mm. Until then σ of all lengths and speeds includes {excess:.1%}; more than "
         "8 % is refused",
         refuse=0.08,
         warn=0,
@@ -244,7 +244,7 @@ CHECKS = (
         "moved", "no sine",
         lambda m: np.average(m.motion.joint_residual_rad**2, weights=m.joint_mask) ** 0.5
         / m.motion.amplitude_rad.mean(),
-        lambda m, share: f"the joints leave their sines by {share:.0%} of the amplitude: did the "
+        lambda m, share: f"the joints deviate from sines by {share:.0%} of the amplitude: did the "
         "robot start, stop or change its gait in the film? Cut those parts off",
         warn=0.1,
     ),

@@ -58,8 +58,8 @@ class Motion:
     def numbers(self) -> Array:
         """Return the numbers that have standard uncertainties, in SI.
 
-        They are the rate, the amplitudes, the phases of all joints but the tail's relative to it,
-        the offsets, direction, speed and turn.
+        They are the rate, the amplitudes, the phases relative to the tail's joint (without its own,
+        which is 0), the offsets, direction, speed and turn.
         """
         return np.concatenate(
             [
@@ -86,7 +86,7 @@ def first_rate(t_s: Array, phi: Array, weight: Array) -> float:
 
 
 def sine_covariance(t_s: Array, omega: float, sine: Array, residual: Array, weight: Array) -> Array:
-    """Return the covariance of a joint's coefficients and rate, (2 + 2 HARMONICS,) squared.
+    """Return the covariance of a joint's coefficients and rate, (n, n), n = 2 + 2 HARMONICS.
 
     sine: the coefficients, (1 + 2 HARMONICS,). residual, weight: (frames,).
     """
@@ -97,7 +97,7 @@ def sine_covariance(t_s: Array, omega: float, sine: Array, residual: Array, weig
 
 
 def mean_variance(residual: Array, weight: Array, unknowns: int) -> float:
-    """Return the variance of weighted residuals, times the factor of their correlation.
+    """Return the variance of weighted residuals, times their correlation_factor.
 
     unknowns: number of fitted parameters.
     """
@@ -157,7 +157,8 @@ def fit_motion(
 def correlation_factor(residual: Array) -> float:
     """Return the variance of the mean of residuals over that of independent ones.
 
-    It is 1 + 2 times the sum of autocorrelations, in pairs as long as these are positive.
+    It is 1 + 2 times the sum of autocorrelations up to the first pair of neighbouring lags with a
+    negative sum (Geyer's initial positive sequence).
     """
     r = residual - residual.mean()
     n = len(r)

@@ -115,7 +115,7 @@ class FilmMeasurement:
 def filmed_run(watched: Watched, measured: Measured, time_scale: float) -> FilmedRun:
     """Return the result of a measured film, without remarks.
 
-    time_scale: factor for the times, beside that of the film's own slow motion.
+    time_scale: factor of the times, in addition to the factor of the film's slow motion.
     """
     motion, bundle, film = measured.motion, measured.bundle, watched.film
     rate_sigma, *joint_sigmas, direction_sigma, speed_sigma, turn_sigma = measured.sigmas.tolist()
