@@ -132,11 +132,10 @@ def nearest_shown(
     step_rad, points = grid
     offsets = np.tan(shown_rad) - grade_step * points
     middle = float(offsets.max() + offsets.min()) / 2
-    wanted_steps = (np.tan(wanted_rad) - middle) / grade_step
-    grade = grade_step * np.round(wanted_steps)
-    same = np.flatnonzero(points == np.round(grade / grade_step))
+    point = np.round((np.tan(wanted_rad) - middle) / grade_step)
+    same = np.flatnonzero(points == point)
     if len(same):
         latest = same[-1]
         return float(shown_rad[latest])
-    steps = np.round(np.arctan(grade + middle) / step_rad)
+    steps = np.round(np.arctan(grade_step * point + middle) / step_rad)
     return float(steps * step_rad)

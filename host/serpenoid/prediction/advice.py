@@ -24,7 +24,7 @@ from ..servos.speed_limit import too_fast_text
 from ..session.crawls import as_run, crawls_by_command, driving, same_command
 from ..session.session import Session
 from .band import predict
-from .next_readings import MINUTES, NextReading, candidates
+from .next_readings import MINUTES, NextReading, next_pushes, next_stations
 from .speeds import SAMPLES, Progress, Samples, draw_samples
 
 MIN_REDUCTION = 0.1  # Relative reduction of the band that makes a reading worth its time.
@@ -189,7 +189,8 @@ def advise(
         return np.einsum("gi,ij,gj->g", slopes, covariance_after(extended, estimate), slopes)
 
     present_variance, readings = variance(), list[NextReading]()
-    for candidate, more in candidates(session, estimate):
+    candidates = next_pushes(session) if session.on_floor else next_stations(session, estimate)
+    for candidate, more in candidates:
         friction_variance = by_friction**2 * variance(*more) / present_variance
         band = float(np.sqrt(other_variance + friction_variance).mean())
         readings.append(replace(candidate, band=band))

@@ -94,11 +94,9 @@ def speed_band(
     gait: Gait,
     count: int = SAMPLES,
     servo: ServoKind | None = HOBBY,
-    commanded: Gait | None = None,
 ) -> SpeedBand:
     """Return the speed of one gait with its band.
 
-    count: number of samples. servo: the kind of servo; None: ideal joints. commanded: as of
-    predict.
+    count: number of samples. servo: the kind of servo; None: ideal joints.
     """
-    return predict(draw_samples(fit, servo, count=count), gait, commanded)
+    return predict(draw_samples(fit, servo, count=count), gait)

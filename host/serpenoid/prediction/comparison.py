@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -295,6 +296,9 @@ def _compared_gait(
     slope_shares = np.mean(shares, axis=0)
     slope_sigma = 0.0 if crawl.runs[0].way == "level" else float(slope_shares.std())
     measured_m_s, sigma_m_s = mean_speed(runs)
+    springs = None
+    with suppress(NotConverged):  # Heavy links swing on the paper's springs.
+        springs = steady_springs(samples.fit.robot, samples.fit.ground, gait, rtol=1e-3)
     return ComparedGait(
         **vars(band),
         level_runs=runs,
@@ -303,18 +307,9 @@ def _compared_gait(
         measured_m_s=measured_m_s,
         sigma_m_s=math.hypot(sigma_m_s, slope_sigma * measured_m_s),
         residual_m_s=measured_m_s - band.exact_m_s,
-        **_implicit_speed(samples.fit, gait),
+        implicit_m_s=springs and springs.speed_m_s,
+        implicit_error_m_s=springs and springs.error_estimate * springs.speed_m_s,
     )
-
-
-def _implicit_speed(fit: FrictionFit, gait: Gait) -> dict[str, Any]:
-    """Return the implicit model's speed and its error by name; {} if its springs do not settle."""
-    try:
-        springs = steady_springs(fit.robot, fit.ground, gait, rtol=1e-3)
-    except NotConverged:  # Heavy links swing on the paper's springs.
-        return {}
-    error = springs.error_estimate * springs.speed_m_s
-    return {"implicit_m_s": springs.speed_m_s, "implicit_error_m_s": error}
 
 
 def _verdict(

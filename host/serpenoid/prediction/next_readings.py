@@ -71,15 +71,8 @@ class NextReading:
 Candidates = Iterator[tuple[NextReading, tuple[Reading | Push, ...]]]
 
 
-def candidates(session: Session, estimate: MapEstimate) -> Candidates:
-    """Yield what could be taken, its band unknown, and the readings as they would be seen.
-
-    Pushes on a floor, else stations that the treadmill can be set to.
-    """
-    yield from _pushes(session) if session.on_floor else _stations(session, estimate)
-
-
-def _stations(session: Session, estimate: MapEstimate) -> Candidates:
+def next_stations(session: Session, estimate: MapEstimate) -> Candidates:
+    """Yield stations that the treadmill can be set to, and the readings as they would be seen."""
     setup, stations, zero_rad = session.setup, session.kept_stations, session.zero.value_rad
     tools, bend = setup.instruments, setup.plan.bend
     present_rad = stations[-1].lambda_rad if stations[-1].bend == bend else 0.0
@@ -129,7 +122,7 @@ def _failed(session: Session, angle: float, incline_rad: float) -> bool:
     )
 
 
-def _pushes(session: Session) -> Candidates:
+def next_pushes(session: Session) -> Candidates:
     """Yield for each bend two pushes, one there and one back, like the last one in it."""
     pushes = session.kept_pushes
     for angle, push in {push.lambda_rad: push for push in pushes}.items():

@@ -290,16 +290,12 @@ def save_servo(kind: ServoKind, path: str | Path) -> None:
     """
     import tomli_w
 
-    values: dict[str, Any] = {"format": FORMAT, "name": kind.name}
-    for key in ("source", "remark", "updates_hz"):
-        if getattr(kind, key):
-            values[key] = getattr(kind, key)
-    values["servo"] = asdict(kind.servo)
-    if kind.sigma:
-        values["sigma"] = dict(kind.sigma)
+    values: dict[str, Any] = {"format": FORMAT}
+    values |= {key: getattr(kind, key) for key in ("name", "source", "remark", "updates_hz")}
+    values |= {"servo": asdict(kind.servo), "sigma": dict(kind.sigma)}
     if kind.drawn:
         values["drawn"] = {
             name: [float(f"{getattr(servo, name):.6g}") for servo in kind.drawn]
             for name in Servo.__match_args__
         }
-    write_named(path, tomli_w.dumps(values))
+    write_named(path, tomli_w.dumps({key: value for key, value in values.items() if value}))

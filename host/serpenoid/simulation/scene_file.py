@@ -32,6 +32,7 @@ _MAKERS: dict[str, Callable[..., Any]] = {
     "ground": Ground.whole_body,
     "gait": Gait,
     "servo": Servo,
+    "start": LinkState,
 }
 # Settings of older files: what to do about a file in which one is not 0.
 _REMOVED = {
@@ -199,25 +200,16 @@ def _present(table: Table, maker: Callable[..., Any]) -> dict[str, str]:
 def _value(top: Table, name: str, key: str, links: int) -> Any:
     """Read one field of Scene or of a part; whom it goes to checks it."""
     value, degrees = top.values[key], key.endswith("_deg")
-    if name in _MAKERS:
+    if name in _MAKERS and (name != "start" or isinstance(value, dict)):
         return _read_part(top.table(key), name, links)
     if name == "torque":
         return _torque(top.table(key))
-    if name == "start" and isinstance(value, dict):
-        return _start(top.table(key))
     if name == "locked":
-        table = top.table(key)
-        return {_joint(text): _angle(table, text, degrees) for text in table.values}
-    return _angle(top, key, True) if degrees else value
-
-
-def _angle(table: Table, key: str, degrees: bool) -> float:
-    return math.radians(table.number(key)) if degrees else table.number(key)
-
-
-def _joint(text: str) -> Any:
-    """Return the number of a joint; Scene refuses any other text."""
-    return int(text) if re.fullmatch("[0-9]{1,8}", text) else text
+        table, turned = top.table(key), math.radians if degrees else float
+        # Scene refuses what is no number of a joint.
+        joints = {text: int(text) for text in table.values if re.fullmatch("[0-9]{1,8}", text)}
+        return {joints.get(text, text): turned(table.number(text)) for text in table.values}
+    return math.radians(top.number(key)) if degrees else value
 
 
 def _torque(table: Table) -> Any:
@@ -227,9 +219,3 @@ def _torque(table: Table) -> Any:
         return table.numbers("torque_nm")
     with located(table.heading):
         return TorqueTable(**table.values)
-
-
-def _start(table: Table) -> LinkState:
-    table.only(*LinkState.__slots__)
-    with located(table.heading):
-        return LinkState(**table.values)
