@@ -11,7 +11,8 @@ namespace serpenoid {
 using namespace dop853;
 
 namespace {
-// The controller's numbers are those of Hairer's program DOP853.
+// Safety, longest step, least error, and the edge of stability with its 15 steps are those of
+// Hairer's program DOP853, the powers those of his DOPRI5; the other numbers are ours.
 constexpr struct {
     // Powers of this error and of the last one in the next step, and its share of what they allow.
     double last_power = 0.04, power = 1.0 / 8 - 0.2 * last_power, safety = 0.9;
