@@ -19,20 +19,21 @@ from ..base.toml_table import check_names
 from ..show.screen import say
 
 Option = Callable[[Any], Any]
-Values = dict[str, Any]  # values of options or settings by name, or an answer
+Values = dict[str, Any]  # values by name: of options, settings, or a result
 
 
 class ResearchOption(click.Option):
     """An option that a builder does not need."""
 
 
-OPTIONS: dict[str, list[click.Parameter]] = {}  # rows of the table, by the parameter they fill
+OPTIONS: dict[str, list[click.Parameter]] = {}  # shared options, by the parameter that they fill
 
 
 class Command(click.Command):
-    """A command whose parameters name rows of the table, where its own options do not fill them.
+    """A command whose function gets its values from options.
 
-    Its help lists the options for researchers apart.
+    A parameter that none of the command's own options fills has its options in OPTIONS. The help
+    lists the options for researchers apart.
     """
 
     def __init__(
@@ -65,8 +66,8 @@ def option(
 ) -> Option:
     """Return an option of a command; the last text is its help.
 
-    choice: the words that it takes, if only some do. research: help lists it for researchers. how:
-    as for `click.option`; a default is shown unless it is 0 or empty.
+    choice: the words that it may take; empty for any. research: help lists it for researchers. how:
+    arguments of `click.option`; a default is shown unless it is 0 or empty.
     """
     *names, words = names_and_help
     if choice:
@@ -80,7 +81,7 @@ number = partial(option, type=float)
 
 
 def row(parameter: str, *options: Option) -> None:
-    """Add a row to the table: what fills a parameter of this name, in every command that has it."""
+    """Add the options to OPTIONS that fill a parameter of this name in every command."""
     OPTIONS[parameter] = list(chain(*(add(lambda: None).__click_params__ for add in options)))
 
 
@@ -105,8 +106,8 @@ def plain_text(_name: str, text: str) -> str:
 class Setting:
     """One name that `--set NAME=VALUE` takes.
 
-    limits: of its number. usual: its default, in words. read: makes its value of the name and the
-    typed text.
+    words: its meaning. limits: of its number. usual: its default, in words. read: function of the
+    name and the typed text that returns the value.
     """
 
     name: str
@@ -117,7 +118,7 @@ class Setting:
     read: Callable[[str, str], Any] = parsed_number
 
     def value(self, text: str) -> Any:
-        """Return the value of a typed text. Raises BadInput in the setting's name."""
+        """Return the value of a typed text. Raises BadInput, which names the setting."""
         value = self.read(self.name, text)
         if self.limits and isinstance(value, (int, float)):
             check_number(self.name, value, *self.limits)
@@ -137,7 +138,7 @@ SETTINGS: dict[str, tuple[Setting, ...]] = {}  # what `--set` takes, by the name
 
 
 class SettingType(click.ParamType):
-    """NAME=VALUE of one of the settings of groups; `help` lists them and ends the command."""
+    """Type of NAME=VALUE for the settings of some groups; `help` lists them and ends the run."""
 
     name = "setting"
 
@@ -160,7 +161,7 @@ class SettingType(click.ParamType):
 
 
 def settings(*groups: str) -> Option:
-    """Return the option `--set` for groups of SETTINGS; its value has what was given by name."""
+    """Return the option `--set` for groups of SETTINGS; its value is a dictionary of settings."""
     return option(
         "--set",
         "settings",
@@ -174,7 +175,7 @@ def settings(*groups: str) -> Option:
 
 
 def chosen(settings: Values, *groups: str) -> Values:
-    """Return what was typed of some groups of SETTINGS."""
+    """Return the given settings that belong to some groups of SETTINGS."""
     names = SettingType(*groups).known
     return {name: value for name, value in settings.items() if name in names}
 
@@ -190,7 +191,7 @@ EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
 class OutFile(click.Path):
-    """A file to be written, in a folder that is there, and none of a session's own."""
+    """A file to be written, in an existing folder, but not one of a session's own files."""
 
     name = "file"
 

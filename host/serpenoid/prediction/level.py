@@ -1,4 +1,4 @@
-"""Correct gait runs on a sloping floor to level ground, and give the uncertainty by the slope."""
+"""Correct gait runs on a sloping floor to level ground, with the uncertainty from the slope."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ Slope = tuple[Estimate, Estimate]  # Falls of a floor along "there" and to its l
 class CrawlSteps:
     """Numbers of the simulation of a gait run on a slope.
 
-    steps: time steps of a period. tolerance: relative error of a step, for a speed to 1e-4.
-    updates_hz: largest simulated rate of a servo's loop, with which a loop of 1000 Hz errs by 0.2 %
-    in a third of the time. first_s, last_s: interval after the gait's start in which the speed is
-    measured.
+    steps: time steps of a period. tolerance: relative error of a step; it gives speeds to 1e-4.
+    updates_hz: largest simulated rate of a servo's loop. For a loop of 1000 Hz it changes the speed
+    by 0.2 %, and takes a third of the time. first_s, last_s: interval after the gait's start in
+    which the speed is measured.
     """
 
     steps: int = 160
@@ -44,9 +44,10 @@ class CrawlSteps:
 CRAWL = CrawlSteps()
 EFFECT_SIGMA = 0.2  # Relative sigma of the predicted effect of a slope, for fitted friction.
 MIN_SHARE = 0.01  # Smallest ratio of the speed on a slope to the level speed.
-SLOPES = 1024  # Number of samples of a slope; with a quarter of them faults show less often.
-# Deviations of the slope along and across a run, in its sigma, for which the speed is simulated. It
-# falls steeply uphill and hardly changes downhill. Between them it is linear, outside constant.
+SLOPES = 1024  # Number of samples of a slope; with 256, comparisons show faults less often.
+# Deviations of the slope along and across a run, in sigmas, for which the speed is simulated. The
+# speed falls steeply uphill and hardly changes downhill. It is interpolated linearly, and constant
+# beyond the ends.
 NODES = (-3.0, 0.0, 0.5, 1.0, 1.5, 2.0, 3.0), (-3.0, 0.0, 3.0)
 
 
@@ -60,7 +61,7 @@ def level_run(
 ) -> tuple[Crawl, Array]:
     """Return a run corrected to level ground, and ratios (SLOPES,) of its speed for sampled slopes.
 
-    A run on level ground is returned as it is. crawl: all runs of the command. servo: the servo
+    A run on level ground is returned as it is. crawl: all runs of its command. servo: the servo
     that moves the joints; None: they follow the gait. The effect of the mean slope is simulated
     with the servo, whose ripple moves wheels that would stick. The sigma of the correction is
     EFFECT_SIGMA times the larger effect of the slope and of the opposite one, because the direction
@@ -89,7 +90,7 @@ def level_run(
 
 
 def floor_slope(session: Session, nuisances: Mapping[str, Estimate]) -> Slope:
-    """Return the floor's slopes, rad: as fitted to pushes, else zero with their prior sigma."""
+    """Return the floor's slopes, rad: fitted to pushes, or else zero with the prior's sigma."""
     unknown = Estimate(0.0, session.setup.instruments.floor_slope_sigma_rad)
     along, across = (
         next((value for name, value in nuisances.items() if name.startswith(part)), unknown)

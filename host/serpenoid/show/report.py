@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..friction.result import FrictionFit
 
 console = screen(width=None if screen().is_terminal else 100, highlight=False)
-notices = screen(stderr=True, soft_wrap=True, highlight=False)  # what is no answer
+notices = screen(stderr=True, soft_wrap=True, highlight=False)  # messages beside the answer
 
 
 def warn(text: str) -> None:
@@ -38,10 +38,10 @@ def table(
 
 
 def show(*results: Result, answer: str | None = None, verbose: bool = False) -> None:
-    """Print what a builder asks, then the rows of results as one table.
+    """Print the answer in a sentence, then the rows of all results as one table.
 
-    answer: the sentence, that of the first result unless given. verbose: errors, margins and other
-    powers, too.
+    answer: the sentence; by default that of the first result. verbose: also errors, margins and
+    other powers.
     """
     console.print(results[0].in_words() if answer is None else answer)
     heads, cells = zip(*(result.table(verbose) for result in results), strict=True)
@@ -50,7 +50,7 @@ def show(*results: Result, answer: str | None = None, verbose: bool = False) -> 
 
 
 def influence(fit: FrictionFit) -> None:
-    """Print what every reading does: how the parameters would move without it."""
+    """Print how the parameters would change without each reading."""
     cells = [
         [
             str(i.reading),
@@ -61,4 +61,4 @@ def influence(fit: FrictionFit) -> None:
         for i, residual in zip(fit.influence, fit.residuals, strict=True)
     ]
     columns = ["reading", "off by", "chi2 without", "ct", "cn", "ft0", "fn0"]
-    table("without each reading, parameters would move by (in their sigmas)", columns, cells)
+    table("change of the parameters without each reading (in their sigmas)", columns, cells)

@@ -1,4 +1,4 @@
-"""What the command line says of one run in time: summary, table, CSV file."""
+"""What the command line prints of a simulated run: summary and table."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .report import show, warn
 
 
 def run_summary(run: Run, errors: bool = True) -> dict[str, Any]:
-    """Return what a run came to; errors=False leaves out what costs more runs."""
+    """Return a run's results for JSON; errors: whether to estimate its errors by further runs."""
     scene = run.scene
     speed = run.last_speed_m_s
     state = "x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s"
@@ -43,7 +43,7 @@ def run_summary(run: Run, errors: bool = True) -> dict[str, Any]:
 
 
 def show_run(run: Run, summary: dict[str, Any], verbose: bool) -> None:
-    """Print what a run in time came to, after its warnings; its errors are those of the summary."""
+    """Print the warnings of a summary, then the run's results, with its errors if estimated."""
     for warning in summary["warnings"]:
         warn(warning)
     errors = [] if summary["error_estimate"] is None else [run.error_estimate]

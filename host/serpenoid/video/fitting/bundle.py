@@ -16,7 +16,7 @@ from ..seeing.sightings import Sightings
 from .camera import LENS, Camera
 
 OUTLIER = 3.0  # Residual of a tag, in sigmas, above which its weight decreases.
-# Weight of a frame's first angles, which determines those that no tag shows.
+# Weight of a frame's initial angles, so that angles which no tag shows are determined.
 LOOSE_PER_RAD = 1.0 / np.radians(30.0)
 
 
@@ -26,7 +26,7 @@ class Bundle:
 
     camera: the fitted camera. covariance: of its shared parameters, from the scatter of the frames.
     noise_px: standard deviation of a corner's coordinate. side_m: printed side of a tag. turns:
-    (links,), rotation of each tag on its link, in whole quarter turns, rad. cost: of the fit.
+    (links,), rotation of each tag on its link, a multiple of pi / 2, rad. cost: of the fit.
     """
 
     camera: Camera
@@ -40,11 +40,11 @@ class Bundle:
     def scale_off(self) -> float:
         """Return the relative disagreement of links and tags, an uncertainty of all lengths.
 
-        It is 0 up to 2.5 %, which tags that are not laid along their links explain, and for two
-        links, which have one joint and so no measured length.
+        It is 0 up to 2.5 %, which tags laid crooked on their links can cause. It is 0 for two links
+        too, because the length of a link shows only between two joints.
         """
-        excess, askew, pair = abs(self.camera.side_m / self.side_m - 1.0), 0.025, 2
-        return excess if excess > askew and self.camera.links > pair else 0.0
+        excess, max_crooked, pair = abs(self.camera.side_m / self.side_m - 1.0), 0.025, 2
+        return excess if excess > max_crooked and self.camera.links > pair else 0.0
 
 
 def fit(
@@ -58,8 +58,9 @@ def fit(
 ) -> Bundle:
     """Return the bundle adjustment of a camera and states (frames, links + 2) to sightings.
 
-    side_m: printed side of a tag. turns: (links,), as of Bundle. steps: most steps. rough: fit with
-    an ideal lens and a fixed noise, so that the costs of several starts can be compared.
+    side_m: printed side of a tag. turns: (links,), as of Bundle. steps: largest number of steps.
+    rough: fit with an ideal lens and a fixed noise, so that the costs of several starts can be
+    compared.
     """
     # Prior means and sigmas: log of the focal length, k1, k2, principal point (over the longer
     # side), tilts, log of the distance, log of a tag's side (checked with a ruler), readout time in
@@ -93,7 +94,7 @@ def fit(
 
 
 def misses(camera: Camera, states: Array, s: Sightings) -> Array:
-    """Return found less expected corners, px, (frames, links, 4, 2); 0 for tags not found."""
+    """Return found minus expected corners, px, (frames, links, 4, 2); 0 for tags not found."""
     image = camera.image(camera.corners(states)) + camera.readout_s * s.skew
     return np.where(s.visible[..., None, None], s.corners_px - image, 0.0)
 
@@ -118,7 +119,7 @@ def equations(
     columns = residual[..., None]
     if shared:
         by_shared = camera.by_shared(states)
-        by_shared[..., len(LENS) - 1] = s.skew
+        by_shared[..., len(LENS) - 1] = s.skew  # by the readout time
         columns = np.concatenate([by_shared, columns], axis=-1)
     # The expected corners of a tag that was not found may be behind the camera, at NaN.
     a, b = (np.where(root > 0, part * root, 0.0) for part in (camera.by_states(states), columns))
@@ -154,7 +155,7 @@ class _Point:
         return (self.camera.shared - self.prior_mean) / self.sigma, drift
 
     def cost(self) -> float:
-        """Return the sum of squares, which grows linearly beyond OUTLIER (Huber)."""
+        """Return the sum of squares; the part of a tag beyond OUTLIER grows linearly (Huber)."""
         distance = rms(misses(self.camera, self.states, self.sightings)) / self.noise_px
         if not np.isfinite(distance).all():
             return np.inf
