@@ -20,8 +20,9 @@ namespace {
 const uint8_t kChipAddress = 0x40;
 const uint8_t kGeneralCall = 0x00, kSoftwareReset = 0x06;
 const uint8_t kMode1 = 0x00, kFirstChannel = 0x06, kAllOffHigh = 0xFD, kPrescale = 0xFE;
-const uint8_t kAwake = 0x20, kAsleep = 0x30;  // MODE1, with AI: consecutive registers
-const uint8_t kRestart = 0x80;  // MODE1: set if outputs were on when the chip went to sleep
+// Values of MODE1; both set AI, so that one transfer writes consecutive registers.
+const uint8_t kAwake = 0x20, kAsleep = 0x30;
+const uint8_t kRestart = 0x80;  // bit of MODE1: outputs were on when the chip went to sleep
 const uint8_t kFullOff = 0x10;
 const uint8_t kMaxPrescale = 255;
 const uint16_t kCycleCounts = 4096;  // resolution of the chip: counts in a cycle
@@ -34,9 +35,9 @@ uint8_t attached_count;  // number of joints with pulses, from the tail
 bool responds = false;
 
 uint16_t pulse_counts(int16_t pulse_us) {
-    const uint32_t clocks = static_cast<uint32_t>(pulse_us) * oscillator_khz;  // times 1000
-    const uint32_t clocks_per_count = 1000UL * (prescale + 1U);
-    return static_cast<uint16_t>((clocks + clocks_per_count / 2) / clocks_per_count);
+    const uint32_t milliclocks = static_cast<uint32_t>(pulse_us) * oscillator_khz;
+    const uint32_t milliclocks_per_count = 1000UL * (prescale + 1U);
+    return static_cast<uint16_t>((milliclocks + milliclocks_per_count / 2) / milliclocks_per_count);
 }
 
 void enable_outputs(bool on) { digitalWrite(board::kEnablePin, on ? LOW : HIGH); }

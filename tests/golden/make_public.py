@@ -60,6 +60,7 @@ ANSWERS = (
     f"drive --port virtual:fast {GAIT} --duration-s 1",
     "doctor --port virtual:fast --listen-s 1",
 )
+# Angle of the bend in degrees, incline in degrees, speed of the belt in m/s.
 STATIONS = ((0, 2.02, 0.2), (0, 2.66, 0.8), (25, 3.02, 0.2), (25, 4.4, 0.8))
 CRAWL = "gait alpha_deg=70 beta_deg=75 distance_m=2.5 duration_s=20 omega_rad_s=5"
 READING_KINDS = ("station", "bend", "zero", "belt", "gait", "video", "push")

@@ -85,7 +85,7 @@ void Controller::put_counters() {
     line_.put_flash(FLASH_TEXT(" " #name "=")).put_unsigned(counters_.name);
     FIRMWARE_COUNTERS(FIRMWARE_PUT_COUNTER)
 #undef FIRMWARE_PUT_COUNTER
-    line_.put_flash(FLASH_TEXT(" rxfull=")).put_unsigned(input_.full());
+    line_.put_flash(FLASH_TEXT(" rxfull=")).put_unsigned(input_.overflow_count());
 }
 
 void Controller::put_timing() {

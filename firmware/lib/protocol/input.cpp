@@ -18,7 +18,8 @@ void Input::push(uint8_t byte) {
     if (byte != '!') {
         const uint8_t places = free_places();
         if (places > 0) store(places > 1 ? byte : kHole);
-        if (places <= 1 && full_ < 65535) full_ = static_cast<uint16_t>(full_ + 1);
+        if (places <= 1 && overflow_count_ < 65535)
+            overflow_count_ = static_cast<uint16_t>(overflow_count_ + 1);
     }
     watch(byte);
 }
@@ -51,9 +52,9 @@ void Input::store(uint8_t byte) {
 }
 
 // Two bytes, which the interrupt may change between them.
-uint16_t Input::full() const {
-    uint16_t count = full_;
-    while (count != full_) count = full_;
+uint16_t Input::overflow_count() const {
+    uint16_t count = overflow_count_;
+    while (count != overflow_count_) count = overflow_count_;
     return count;
 }
 

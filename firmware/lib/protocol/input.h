@@ -30,7 +30,7 @@ class Input {
           words_taken_(0),
           stops_seen_(0),
           progress_(0),
-          full_(0),
+          overflow_count_(0),
           queue_() {}
 
     // Called by the interrupt for a received byte.
@@ -45,7 +45,7 @@ class Input {
     // Whether the bytes that pop() now returns came before a stop.
     bool before_stop() const { return stops() != stops_seen_; }
 
-    uint16_t full() const;  // bytes lost because the queue was full
+    uint16_t overflow_count() const;  // bytes lost because the queue was full
 
   private:
     void watch(uint8_t byte);
@@ -58,7 +58,7 @@ class Input {
     volatile uint8_t head_, tail_, mark_, keys_, words_;
     uint8_t keys_taken_, words_taken_, stops_seen_;
     volatile uint8_t progress_;  // received letters of `stop`
-    volatile uint16_t full_;
+    volatile uint16_t overflow_count_;
     // The last member: so an AVR reaches the others by a short offset.
     uint8_t queue_[input_size(kMaxJoints)];
 };

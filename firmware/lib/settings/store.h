@@ -1,10 +1,10 @@
 // Settings in EEPROM: two copies, written in turn, so that a power cut at any byte loses nothing.
 //
-// A copy is: age, layout, number of joints, the settings, the trims of each joint, CRC (2). The age
-// is 0, 1 or 2, and that of the newer copy follows that of the older one; after 2 comes 0. Saving
-// overwrites the older copy: its age goes first, then all else is written, and the new age comes
-// last. So a copy that a power cut left half-written never has an age, whatever its bytes are. The
-// CRC detects bytes that change later.
+// A copy is: age, layout, number of joints, the settings, the trims of each joint, CRC (2 bytes).
+// The age is 0, 1 or 2, and that of the newer copy follows that of the older one; after 2 comes 0.
+// Saving overwrites the older copy: its age is erased first, then all else is written, and the new
+// age comes last. So a copy that a power cut left half-written never has an age, whatever its bytes
+// are. The CRC detects bytes that change later.
 //
 // A copy with another layout is ignored. If a copy was saved for another number of joints, the
 // trims of the joints that both boards have are loaded; the other joints keep their defaults.
@@ -56,10 +56,9 @@ class Store {
     bool good() const { return good_; }
 
     static const uint8_t kLayout = 3;
-    static const uint8_t kHead = 3;  // bytes before the settings: age, layout, joints
-    // The two places for copies are slots 0 and 1; a record is a copy with its CRC.
-    static uint16_t slot_address(uint8_t slot);
-    static uint16_t record_size(uint8_t joints);
+    static const uint8_t kHead = 3;               // bytes before the settings: age, layout, joints
+    static uint16_t slot_address(uint8_t slot);   // start of copy 0 or 1
+    static uint16_t record_size(uint8_t joints);  // bytes of a copy with its CRC
 
   private:
     enum Job : uint8_t { None, Check, Copy, Write };

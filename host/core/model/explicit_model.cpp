@@ -14,8 +14,9 @@ TailMotion tail_motion(const Robot& robot, const double* joint_accel, Chain& k) 
            sum_turn_accel = 0;
     double rx = 0, ry = 0, b_x = 0, b_y = 0, turn_accel = 0;
     double last_half_x = l * k.c[0], last_half_y = l * k.s[0];
-    const double first_square = k.omega[0] * k.omega[0];
-    double last_half_b_x = -first_square * last_half_x, last_half_b_y = -first_square * last_half_y;
+    const double first_rate_square = k.omega[0] * k.omega[0];
+    double last_half_b_x = -first_rate_square * last_half_x,
+           last_half_b_y = -first_rate_square * last_half_y;
     k.ax[0] = 0;
     k.ay[0] = 0;
     k.alpha[0] = 0;

@@ -40,7 +40,7 @@ class Sticking {
     // Find the modes that follow from the state y, and set the resting contacts' speeds in it to 0.
     void find_modes(double t, double* y);
     // Fill margin with a number for each contact that falls as the end of its mode approaches and
-    // is negative after it. A mode change is located where the number is -1.
+    // is negative after it. The end is found to within a number between -1 and 0.
     void margins(double t, const double* y, std::vector<double>& margin);
     // Whether step errors have given a resting contact so much speed that find_modes must be
     // called.

@@ -37,10 +37,10 @@ struct Bench {
     }
     // Send bytes and return the last answer or event in the following time, or "".
     std::string send(const std::string& bytes, double seconds = 0.05) {
-        const size_t before = lines.size();
+        const size_t line_count = lines.size();
         board.send_to_board(bytes);
         run(seconds);
-        return lines.size() > before ? lines.back() : "";
+        return lines.size() > line_count ? lines.back() : "";
     }
     // The same for a line without a number and CRC, as a person types it.
     std::string type(const std::string& body, double seconds = 0.05) {
@@ -134,14 +134,14 @@ TEST_CASE("a new centre is approached slowly") {
     Bench b;
     b.type("pose straight", 1);
     for (const int centre : {1590, 1440}) {
-        int before = b.board.servo_us(3);
+        int previous_us = b.board.servo_us(3);
         b.type("trim 4 centre " + std::to_string(centre), 0.02);
         for (int k = 0; k < 100; ++k) {
-            CHECK(std::abs(b.board.servo_us(3) - before) <= 8);
-            before = b.board.servo_us(3);
+            CHECK(std::abs(b.board.servo_us(3) - previous_us) <= 8);
+            previous_us = b.board.servo_us(3);
             b.run(0.02);
         }
-        CHECK(before == centre);
+        CHECK(previous_us == centre);
     }
 }
 
@@ -184,12 +184,12 @@ TEST_CASE("joints that a slow servo limits are counted, upwards and downwards") 
     b.type("gait 60 0 3", 8);
     CHECK(b.type("set servo_speed 100") == "ok: #-");
     int limited_frames[2] = {};  // numbers of frames with all joints limited: downwards, upwards
-    double before = b.angle_deg(0);
+    double previous_deg = b.angle_deg(0);
     for (int frame = 0; frame < 210; ++frame) {  // two periods
         b.run(0.02);
         const int clipped = b.board.controller().motion().clipped();
-        limited_frames[b.angle_deg(0) > before] += clipped == joint_count;
-        before = b.angle_deg(0);
+        limited_frames[b.angle_deg(0) > previous_deg] += clipped == joint_count;
+        previous_deg = b.angle_deg(0);
     }
     CHECK(limited_frames[0] > 20);
     CHECK(limited_frames[1] > 20);

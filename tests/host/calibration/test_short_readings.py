@@ -69,23 +69,23 @@ CELLS = "lambda_deg=15 incline_deg=4 belt_speed_m_s=0.5"
 
 
 @pytest.mark.parametrize(
-    ("typed", "kept"),
+    ("cell", "samples"),
     [
         ("0:0;2,1:-0,045;4:0,13", [[0.0, 2.1, 4.0], [0.0, -0.045, 0.13]]),
         ("0:0,2:0.04,4:.12", [[0.0, 2.0, 4.0], [0.0, 0.04, 0.12]]),
     ],
 )
-def test_the_prompt_and_a_script_take_positions(folder, tmp_path, typed, kept):
-    assert run(f"add {folder} station {CELLS} 'places={typed}'").returncode == 0
+def test_add_and_a_script_take_positions(folder, tmp_path, cell, samples):
+    assert run(f"add {folder} station {CELLS} 'places={cell}'").returncode == 0
     script = tmp_path / "script.toml"
     script.write_text(
         "[[reading]]\nlambda_deg = 15.0\nincline_deg = 4.4\nbelt_speed_m_s = 0.5\n"
-        f'places = "{typed}"\n'
+        f'places = "{cell}"\n'
     )
     assert run(f"take {folder} --script {script}").returncode == 0
     stations = load_session(folder).kept_stations
-    assert [r.track.values.T[:2].tolist() for r in stations] == [kept] * 2
-    assert [r.drift_m_s for r in stations] == [kept[1][-1] / 4.0] * 2
+    assert [r.track.values.T[:2].tolist() for r in stations] == [samples] * 2
+    assert [r.drift_m_s for r in stations] == [samples[1][-1] / 4.0] * 2
 
 
 def test_an_older_file_with_the_positions_in_a_cell_loads(folder):

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 from avr.board import Board
-from robot.fake_board import GAIT, FakeBoard, unchanged
+from robot.fake_board import GAIT, FakeBoard, keep_line
 from serpenoid.base.errors import RobotLost
 from serpenoid.robot import RobotBoard
 from serpenoid.robot.wire.virtual import LEAST_S, STEP_S
@@ -85,4 +85,4 @@ def crawling() -> Iterator[tuple[FakeBoard, RobotBoard]]:
     with FakeBoard() as fake, RobotBoard(fake.port) as robot:
         robot.gait(GAIT)
         yield fake, robot
-        fake.to_host = unchanged
+        fake.to_host = keep_line

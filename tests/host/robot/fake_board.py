@@ -27,29 +27,29 @@ GAIT_TYPED = "--alpha-deg 30 --beta-deg 80 --omega-rad-s 5"
 MAX_STEP_S = 0.02  # the board runs for at most this time before it reads again
 
 
-def unchanged(line: bytes) -> bytes:
+def keep_line(line: bytes) -> bytes:
     return line
 
 
-def nothing(_: bytes) -> bytes:
+def drop_line(_: bytes) -> bytes:
     return b""
 
 
-def without(*words: str) -> Tamper:
+def drop_lines(*words: str) -> Tamper:
     """Return a tamper that removes the lines which start with one of the words."""
     return lambda line: b"" if line.startswith(tuple(w.encode() for w in words)) else line
 
 
-def resealed(line: bytes, pattern: bytes, by: bytes) -> bytes:
+def change_body(line: bytes, pattern: bytes, new: bytes) -> bytes:
     """Return a line with a change in its body, and with the CRC of the changed line."""
     body = line.rpartition(b" *")[0]
-    changed = re.sub(pattern, by, body)
+    changed = re.sub(pattern, new, body)
     return line if changed == body else sealed(changed.decode())
 
 
-def greeting(pattern: bytes, by: bytes) -> Tamper:
+def change_greeting(pattern: bytes, new: bytes) -> Tamper:
     """Return a tamper that changes the board's answer to `hello`."""
-    return lambda line: resealed(line, pattern, by) if line.startswith(b"hello:") else line
+    return lambda line: change_body(line, pattern, new) if line.startswith(b"hello:") else line
 
 
 def eeprom_after(*commands: str) -> bytes:
@@ -69,7 +69,7 @@ class FastBoard(VirtualLink):
     """
 
     def __init__(
-        self, to_host: Tamper = unchanged, to_board: Tamper = unchanged, *, fast: bool = True
+        self, to_host: Tamper = keep_line, to_board: Tamper = keep_line, *, fast: bool = True
     ):
         super().__init__(fast=fast)
         self.to_host, self.to_board = to_host, to_board
@@ -111,8 +111,8 @@ class FakeBoard(FastBoard):
 
     def __init__(
         self,
-        to_host: Tamper = unchanged,
-        to_board: Tamper = unchanged,
+        to_host: Tamper = keep_line,
+        to_board: Tamper = keep_line,
         *,
         eeprom: bytes | None = None,
         pace: Callable[[], float] = clock,

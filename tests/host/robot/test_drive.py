@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from command_line import answer, serpenoid
 from robot.fake_board import GAIT_TYPED as GAIT
-from robot.fake_board import FakeBoard, FastBoard, eeprom_after, greeting
+from robot.fake_board import FakeBoard, FastBoard, change_greeting, eeprom_after
 from serpenoid.robot.recording.stream import load_stream
 
 
@@ -47,7 +47,10 @@ def test_plain_lines_where_there_is_no_terminal():
 
 
 def test_markup_in_a_path_and_in_a_greeting_is_text(tmp_path, monkeypatch):
-    board, file = FastBoard(greeting(rb"board=\S+", b"board=[/b]")), tmp_path / "[" / "b]run.wire"
+    board, file = (
+        FastBoard(change_greeting(rb"board=\S+", b"board=[/b]")),
+        tmp_path / "[" / "b]run.wire",
+    )
     file.parent.mkdir()
     monkeypatch.setattr("serpenoid.robot.robot.open_link", lambda _: board)
     status, said, errors = serpenoid(f"drive {GAIT} --port any --duration-s 0.3 --record {file}")

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 from command_line import program, serpenoid
-from robot.fake_board import FakeBoard, nothing
+from robot.fake_board import FakeBoard, drop_line
 from robot.patience import until
 from serpenoid.robot.tools import upload as flash
 
@@ -73,7 +73,7 @@ def test_each_failure_has_its_cure(pio, script, message):
 def test_a_silent_board_and_a_platformio_that_cannot_run(pio, monkeypatch):
     monkeypatch.setattr(flash, "GREETING_S", 0.3)
     handlers = set()
-    with FakeBoard(nothing) as board:
+    with FakeBoard(drop_line) as board:
         for first, message in (("#!/bin/sh", "no greeting"), ("#!/no", "no such file")):
             pio(f"{BUILT}; exit 0", first)
             status, _, errors = serpenoid(f"flash --board uno --port {board.port}")

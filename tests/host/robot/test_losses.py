@@ -21,11 +21,11 @@ from robot.fake_board import (
     FakeBoard,
     FastBoard,
     Tamper,
-    greeting,
-    nothing,
-    resealed,
-    unchanged,
-    without,
+    change_body,
+    change_greeting,
+    drop_line,
+    drop_lines,
+    keep_line,
 )
 from robot.patience import LONG_S, clock
 from serpenoid.base.errors import (
@@ -52,17 +52,17 @@ def after_gait_frames(count: int, tamper: Tamper) -> Tamper:
 
 
 def refusing_stop(line: bytes) -> bytes:
-    return resealed(line, rb"^ok: (#\d+)$", rb"err: \1 saving - settings are being saved")
+    return change_body(line, rb"^ok: (#\d+)$", rb"err: \1 saving - settings are being saved")
 
 
 def deaf_to_stops(line: bytes) -> bytes:
     """Change every stop into a ping, which a board answers with ok."""
-    return resealed(line.replace(b"!", b""), rb"^(#\d+) stop$", rb"\1 ping")
+    return change_body(line.replace(b"!", b""), rb"^(#\d+) stop$", rb"\1 ping")
 
 
 def at_double_pace(line: bytes) -> bytes:
     us = re.search(rb" board_us=(\d+)", line)
-    return resealed(line, rb" board_us=\d+", b" board_us=%d" % (2 * int(us[1]))) if us else line
+    return change_body(line, rb" board_us=\d+", b" board_us=%d" % (2 * int(us[1]))) if us else line
 
 
 def on_the_way_out(board: FastBoard, word: bytes, act: Callable[[], None]) -> None:
@@ -71,7 +71,7 @@ def on_the_way_out(board: FastBoard, word: bytes, act: Callable[[], None]) -> No
     def watch(line: bytes) -> bytes:
         if word not in line:
             return line
-        board.to_board = unchanged
+        board.to_board = keep_line
         act()
         return line
 
@@ -82,7 +82,7 @@ def in_the_gait(tamper: Tamper, count: int = 25) -> Callable[[FastBoard], None]:
     return lambda board: setattr(board, "to_host", after_gait_frames(count, tamper))
 
 
-def once(board: FastBoard, act: Callable[[], None], then: Tamper = unchanged) -> Tamper:
+def once(board: FastBoard, act: Callable[[], None], then: Tamper = keep_line) -> Tamper:
     """Return a tamper that does something at its first line, and is `then` from there on."""
 
     def tamper(line: bytes) -> bytes:
@@ -103,7 +103,7 @@ def cut_line_and_greeting(line: bytes) -> bytes:
 
 RESET = r"boot \d, now \d; cause: brownout"
 LOSSES = {
-    "frames end": (in_the_gait(without("t:"), 50), "no telemetry"),
+    "frames end": (in_the_gait(drop_lines("t:"), 50), "no telemetry"),
     "every fifth frame": (
         in_the_gait(lambda line: b"" if re.match(rb"t:\d*[05] ", line) else line, 0),
         "frames came and",
@@ -116,9 +116,9 @@ LOSSES = {
         lambda board: setattr(board, "to_host", at_double_pace),
         "clock runs",
     ),
-    "reset": (reset_in_the_gait(unchanged), RESET),
+    "reset": (reset_in_the_gait(keep_line), RESET),
     "reset, greeting behind half a line": (reset_in_the_gait(cut_line_and_greeting), RESET),
-    "reset, greeting lost": (reset_in_the_gait(without("hello:")), "frames went back from"),
+    "reset, greeting lost": (reset_in_the_gait(drop_lines("hello:")), "frames went back from"),
     "reset at the stop": (
         lambda board: on_the_way_out(board, b" stop *", lambda: board.reset("brownout")),
         RESET,
@@ -153,7 +153,7 @@ def test_drive_tells_a_loss_once_and_keeps_the_recording(tmp_path, monkeypatch, 
 noise = random.Random(1)
 OLD = sealed("hello: serpenoid fw=9.0.0 protocol=0 name=snake")
 OPENINGS = {
-    "silent": (nothing, NoAnswer, "nothing came.*flash"),
+    "silent": (drop_line, NoAnswer, "nothing came.*flash"),
     "another baud rate": (
         lambda line: noise.randbytes(len(line)),
         NoAnswer,
@@ -170,7 +170,7 @@ OPENINGS = {
         "protocol 0.*protocol 5.*serpenoid flash --port",
     ),
     "other joints than the frames have": (
-        greeting(b"joints=5", b"joints=12"),
+        change_greeting(b"joints=5", b"joints=12"),
         ProtocolMismatch,
         "12 joints, and a frame has 5",
     ),
@@ -188,7 +188,7 @@ def test_a_board_that_is_none_of_ours_is_told_by_what_came(board):
 
 @pytest.mark.parametrize("every", [0, 1])
 def test_a_stop_is_sure_though_the_line_on_its_state_was_lost_and_else_told(every):
-    board = FastBoard(without("state:"))
+    board = FastBoard(drop_lines("state:"))
     with pytest.raises(StopUnconfirmed, match=r"not confirmed.*'pose'"):
         with RobotBoard(board) as robot:
             robot.set("every", every)
@@ -208,7 +208,7 @@ def test_a_signal_does_not_hide_that_the_stop_is_not_sure(number):
     with pytest.raises(StopUnconfirmed, match=r"not confirmed: no verdict.*power") as told:
         with RobotBoard(board) as robot:
             robot.gait(GAIT)
-            board.to_host = nothing
+            board.to_host = drop_line
             os.kill(os.getpid(), number)
             time.sleep(1.0)
     assert isinstance(told.value.__cause__, (KeyboardInterrupt, SystemExit))
@@ -248,13 +248,13 @@ def test_a_state_that_nobody_asked_for_is_told_once_and_one_asked_for_never():
 def test_a_motion_that_a_stop_overtook_is_not_sent_again_and_a_question_is():
     board = FastBoard()
     with RobotBoard(board) as robot:
-        board.to_host = lambda line: resealed(line, rb"^ok: (#\d+)$", rb"err: \1 stopped - by !")
+        board.to_host = lambda line: change_body(line, rb"^ok: (#\d+)$", rb"err: \1 stopped - by !")
         for ask, asked_again in ((robot.straight, False), (robot.status, True)):
             sent = len(board.received)
             with pytest.raises(CommandRefused, match="stopped"):
                 ask()
             assert (board.received[sent:].count(b"\n") > 1) == asked_again
-        board.to_host = unchanged
+        board.to_host = keep_line
 
 
 def test_half_and_doubled_frames_are_counted_and_never_used():
@@ -275,7 +275,7 @@ def test_half_and_doubled_frames_are_counted_and_never_used():
         assert numbers == sorted(set(numbers))
         assert losses.damaged_lines == pytest.approx(tens, abs=1)
         assert losses.missed_frames == pytest.approx(2 * tens, abs=2)
-        board.to_host = unchanged
+        board.to_host = keep_line
 
 
 @pytest.mark.parametrize("moment", ["hello", "set", "gait", "frames", "pose", "status", "save"])

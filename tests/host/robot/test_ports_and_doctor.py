@@ -9,7 +9,14 @@ from types import SimpleNamespace
 
 import pytest
 from command_line import answer, serpenoid
-from robot.fake_board import FakeBoard, eeprom_after, greeting, nothing, resealed, unchanged
+from robot.fake_board import (
+    FakeBoard,
+    change_body,
+    change_greeting,
+    drop_line,
+    eeprom_after,
+    keep_line,
+)
 from robot.terminal import Person
 from serpenoid.base import system
 from serpenoid.base.errors import PortBusy, PortMissing
@@ -107,20 +114,20 @@ def damaged_settings() -> bytes:
 
 
 def counted(name: bytes, field: bytes, value: bytes):
-    return lambda line: resealed(line, field, value) if line.startswith(name) else line
+    return lambda line: change_body(line, field, value) if line.startswith(name) else line
 
 
 SICK = {  # what is wrong with the board: its tamper, its EEPROM; the finding and its mark and fix
-    "silent": (nothing, b"", "greeting", "fix", "is it flashed"),
+    "silent": (drop_line, b"", "greeting", "fix", "is it flashed"),
     "another protocol": (
-        greeting(rb"protocol=\d+", b"protocol=7"), b"", "protocol", "fix", "serpenoid flash",
+        change_greeting(rb"protocol=\d+", b"protocol=7"), b"", "protocol", "fix", "serpenoid flash",
     ),
     "a bad cable": (
         lambda said: re.sub(rb"t:(\d*[05]) j1", rb"t:\1 j!", said), b"", "counters", "fix", "cable",
     ),
-    "settings": (unchanged, damaged_settings(), "settings", "fix", ""),
-    "brown-out": (greeting(b"=external", b"=brownout"), b"", "last reset", "fix", "supply"),
-    "silence off": (unchanged, eeprom_after("set silence off"), "silence", "note", ""),
+    "settings": (keep_line, damaged_settings(), "settings", "fix", ""),
+    "brown-out": (change_greeting(b"=external", b"=brownout"), b"", "last reset", "fix", "supply"),
+    "silence off": (keep_line, eeprom_after("set silence off"), "silence", "note", ""),
     "lost bytes": (counted(b"counters:", b"rxfull=0", b"rxfull=3"), b"", "counters", "fix", ""),
     "overruns": (counted(b"timing:", rb"overruns=\d+", b"overruns=1"), b"", "timing", "fix", ""),
     "lateness": (counted(b"timing:", rb"late_us=\d+", b"late_us=5000"), b"", "timing", "fix", ""),

@@ -10,7 +10,7 @@ from itertools import islice
 import numpy as np
 import pytest
 from refusals import refused
-from robot.fake_board import GAIT, FakeBoard, FastBoard, nothing
+from robot.fake_board import GAIT, FakeBoard, FastBoard, drop_line
 from robot.patience import LONG_S, clock
 from robot.test_ends import start_program
 from serpenoid.base.errors import NoAnswer, RecordingFailed
@@ -64,7 +64,7 @@ def test_a_truncated_recording_keeps_its_complete_lines(recorded, tmp_path):
 def test_a_run_that_fails_to_start_leaves_no_file(tmp_path):
     path = tmp_path / "run.txt"
     for _ in range(2):
-        with pytest.raises(NoAnswer), RobotBoard(FastBoard(nothing), record=path, timeout_s=0.2):
+        with pytest.raises(NoAnswer), RobotBoard(FastBoard(drop_line), record=path, timeout_s=0.2):
             pass
     assert not path.exists()
     path.write_text("thesis\n")
