@@ -25,7 +25,7 @@ class ImplicitMechanics final : public Mechanics {
                       std::unique_ptr<TorqueSource> torques)
         : Mechanics(request, ground, 2 * request.robot.n, 1 + joint_drive.free_joints()),
           spring(request.spring),
-          damper(request.robot.n, request.method.holds_dampers),
+          damper(request.robot.n, request.method.lags_damping),
           drive(std::move(joint_drive)),
           source(std::move(torques)),
           scratch(request.robot.n) {

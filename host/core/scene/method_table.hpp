@@ -16,23 +16,23 @@ struct MethodKind {
     const char* formulations = "explicit implicit";
     const char* adaptive = "";  // formulations with step control; others use dt_s
     const char* laws = "viscous dry";
-    bool faults = true;           // whether it runs limp and locked joints
-    bool holds_dampers = false;   // whether dampers use the rates of the previous step
-    bool makes_friction = false;  // whether it computes set-valued friction
+    bool faults = true;              // whether it runs limp and locked joints
+    bool lags_damping = false;       // whether dampers use the rates of the previous step
+    bool computes_friction = false;  // whether it computes set-valued friction
 
     constexpr bool is(std::string_view text) const { return text == name; }
 };
 
 inline constexpr MethodKind kMethods[] = {
     {.name = "rk4"},
-    {.name = "paper", .formulations = "implicit", .holds_dampers = true},
+    {.name = "paper", .formulations = "implicit", .lags_damping = true},
     {.name = "dop853", .adaptive = "explicit implicit", .laws = "viscous"},
     {.name = "radau",
      .formulations = "implicit",
      .adaptive = "implicit",
      .laws = "viscous",
      .faults = false},
-    {.name = "nonsmooth", .adaptive = "explicit", .laws = "viscous dry", .makes_friction = true},
+    {.name = "nonsmooth", .adaptive = "explicit", .laws = "viscous dry", .computes_friction = true},
 };
 
 inline const MethodKind& method_kind(std::string_view name) {

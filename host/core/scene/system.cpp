@@ -21,10 +21,10 @@ std::unique_ptr<TorqueSource> make_torques(const RunRequest& request, double gea
 System::System(const RunRequest& request) {
     if (request.record_energy) ledger_.emplace(request);
     if (request.formulation == Formulation::implicit) {
-        // a method that makes the friction steps a system without
-        const Ground ground = request.method.makes_friction ? Ground{} : request.ground;
+        // A method that computes the friction itself needs a system without friction.
+        const Ground ground = request.method.computes_friction ? Ground{} : request.ground;
         mechanics_ = make_implicit(request, ground, gear_friction(request));
-    } else if (request.method.makes_friction) {
+    } else if (request.method.computes_friction) {
         const Ground smooth{{request.ground.along.viscous(0), 0}, {request.ground.across.c, 0}};
         mechanics_ = make_explicit(request, smooth, 0);
         sticking_ = std::make_unique<Sticking>(*mechanics_, request);

@@ -151,13 +151,13 @@ TEST_CASE("frames go on evenly when the clock and the frame number overflow") {
     b.type("gait 30 80 5", 1);
     b.frames.clear();
     b.run(3);
-    uint32_t last = static_cast<uint32_t>(std::stoul(b.frames.at(0).substr(2)));
+    uint32_t last_number = static_cast<uint32_t>(std::stoul(b.frames.at(0).substr(2)));
     for (size_t k = 1; k < b.frames.size(); ++k) {
-        const uint32_t now = static_cast<uint32_t>(std::stoul(b.frames[k].substr(2)));
-        CHECK(now == static_cast<uint32_t>(last + 1));
-        last = now;
+        const uint32_t number = static_cast<uint32_t>(std::stoul(b.frames[k].substr(2)));
+        CHECK(number == static_cast<uint32_t>(last_number + 1));
+        last_number = number;
     }
-    CHECK(last < 200);
+    CHECK(last_number < 200);
     CHECK(b.counters().overruns == 0);
     CHECK(b.counters().late_us < 100);
 }
@@ -231,7 +231,7 @@ TEST_CASE("a robot at rest goes limp some time after its host's last line") {
         Bench b;
         b.type("set limp 5");
         b.type("gait 30 80 5", 1);
-        for (int k = 0; k < 12; ++k) b.type("ping", 1);  // its host is there
+        for (int k = 0; k < 12; ++k) b.type("ping", 1);  // keeps the limp timer from starting
         CHECK(b.state() == State::Gait);
         b.type(last_command, 4.9);
         const bool stopped = last_command[0] == 's', posed = last_command[0] == 'p';
