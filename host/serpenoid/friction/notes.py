@@ -151,7 +151,17 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             f"{len(fit.residuals)} readings for 4 frictions leave no degree of freedom: nothing "
             "tells whether they agree. Take one more of each kind."
         )
-    notes += _weak_notes(fit)
+    weak = []
+    for name, (value, sigma) in zip(fit.whole_snake, fit.parameters.values(), strict=True):
+        if value == 0.0:
+            notes.append(f"{name} ends at its limit of 0: only an upper end is known.")
+        elif sigma > LIMITS.rough_share * value:
+            weak.append(f"{name} to {sigma / value:.0%}")
+    if weak:
+        notes.append(
+            f"Known only roughly: {', '.join(weak)}. `serpenoid advise DIR` names the reading that "
+            "makes speeds surer."
+        )
     regenerated = session.setup.provenance.kind == "regenerated"
     if regenerated:
         notes.append(
@@ -182,10 +192,11 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             "one turns within a second, and is then not held by this law. Was it guided? If not, "
             "take them again in the balanced bend."
         )
-    for kind, name in (("station", "reading"), ("push", "push")):
-        voided = sum(reading.voided for reading in session.readings_of(kind))
-        if voided:
-            notes.append(f"{count_text(voided, f'voided {name}')} left out.")
+    kinds = {"station": "voided reading", "push": "voided push"}
+    counts = {
+        name: sum(r.voided for r in session.readings_of(kind)) for kind, name in kinds.items()
+    }
+    notes += [f"{count_text(count, name)} left out." for name, count in counts.items() if count]
     if fit.method == "naive":
         notes.append(
             "Naive intervals leave out the errors that readings share (bend, inclinometer zero, "
@@ -193,22 +204,6 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
         )
     floor = _floor_notes(session) if session.on_floor else []
     return tuple(filter(None, [*notes, belt_note(session), *floor]))
-
-
-def _weak_notes(fit: FrictionFit) -> list[str]:
-    """Return notes on frictions that are known only roughly."""
-    notes, weak = [], []
-    for name, (value, sigma) in zip(fit.whole_snake, fit.parameters.values(), strict=True):
-        if value == 0.0:
-            notes.append(f"{name} ends at its limit of 0: only an upper end is known.")
-        elif sigma > LIMITS.rough_share * value:
-            weak.append(f"{name} to {sigma / value:.0%}")
-    if weak:
-        notes.append(
-            f"Known only roughly: {', '.join(weak)}. `serpenoid advise DIR` names the reading that "
-            "makes speeds surer."
-        )
-    return notes
 
 
 def _floor_notes(session: Session) -> list[str]:

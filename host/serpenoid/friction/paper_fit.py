@@ -54,19 +54,11 @@ def _across(data: Stations) -> tuple[Floats, Floats]:
     return np.where(data.bent, np.sin(data.lambda_rad), 1.0), np.where(data.bent, by_fn0, 1.0)
 
 
-def _line(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """Return slope and intercept of the least-squares line, and their rescaled covariance."""
-    design = np.column_stack([x, np.ones_like(x)])
-    inverse = np.linalg.inv(design.T @ design)
-    line = inverse @ design.T @ y
-    scatter = y - design @ line
-    return line, inverse * (scatter @ scatter) / max(len(x) - 2, 1)
-
-
 def two_lines(data: Stations) -> tuple[Floats, Floats]:
     """Return the frictions (4,) by the paper's method, and their covariance (4, 4)."""
     values, covariance = np.zeros(len(FRICTIONS)), np.zeros((len(FRICTIONS),) * 2)
-    along, across = [0, 2], [1, 3]
-    values[along], covariance[np.ix_(along, along)] = _line(*points(data, values)["straight"])
-    values[across], covariance[np.ix_(across, across)] = _line(*points(data, values)["bent"])
+    for part, rows in (("straight", [0, 2]), ("bent", [1, 3])):
+        values[rows], covariance[np.ix_(rows, rows)] = np.polyfit(
+            *points(data, values)[part], 1, cov=True
+        )
     return values, covariance

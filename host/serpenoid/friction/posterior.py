@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -165,7 +165,7 @@ class Posterior:
     """
 
     kinds: tuple[Stations | Pushes, ...]
-    roundings_rad: Floats = field(default_factory=lambda: np.empty((1, 0)))
+    roundings_rad: Floats
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:

@@ -428,7 +428,12 @@ class ServoKind:
         """
         *normal, plug = units
         even = math.sqrt(3) * math.erf(plug / math.sqrt(2))
-        typical = _ratios(self.servo)
+        scales = _scales(self.servo.torque_limit_nm, self.servo.speed_limit_rad_s)
+        typical = {
+            name: getattr(self.servo, name) / scales[scale] for name, scale in UNCERTAIN.items()
+        }
+        typical["torque_limit_nm"] = self.servo.stall_torque_nm
+        typical["speed_limit_rad_s"] = self.servo.no_load_rad_s
         values = {
             name: typical[name] * math.exp(self.sigma.get(name, 0.0) * x)
             for name, x in zip(UNCERTAIN, (*normal, even), strict=True)
@@ -454,16 +459,6 @@ class ServoKind:
 def _loss(ratios: Mapping[str, float]) -> float:
     """Return the motor's free speed over the whole servo's no-load speed."""
     return (1 + ratios["gear_damping_nms_rad"]) / (1 - ratios["gear_friction_nm"])
-
-
-def _ratios(servo: Servo) -> dict[str, float]:
-    """Return what is drawn of a servo, by the names of UNCERTAIN: see `ServoKind`."""
-    scales = _scales(servo.torque_limit_nm, servo.speed_limit_rad_s)
-    ratios = {name: getattr(servo, name) / scales[scale] for name, scale in UNCERTAIN.items()}
-    return ratios | {
-        "torque_limit_nm": servo.stall_torque_nm,
-        "speed_limit_rad_s": servo.no_load_rad_s,
-    }
 
 
 def _scales(torque_nm: float, speed_rad_s: float) -> dict[str, float]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..base.vectors import columns
 from ..model.drives import FRAME_S, ServoKind
 from ..model.gait import Gait
 from ..model.robot import frame_us
@@ -59,9 +60,9 @@ def crawls_by_command(session: Session) -> list[Crawls]:
 
 def mean_speed(runs: Sequence[Crawl]) -> tuple[float, float]:
     """Return the weighted mean speed of runs, and its standard uncertainty, m/s."""
-    weights = np.array([r.speed_sigma_m_s for r in runs]) ** -2.0
-    mean = weights @ np.array([r.speed_m_s for r in runs]) / weights.sum()
-    return float(mean), float(weights.sum() ** -0.5)
+    speeds_m_s, sigmas_m_s = columns(runs, "speed_m_s", "speed_sigma_m_s")
+    mean, weight = np.average(speeds_m_s, weights=sigmas_m_s**-2.0, returned=True)
+    return float(mean), float(weight**-0.5)
 
 
 def as_run(session: Session, gaits: Sequence[Gait]) -> tuple[Gait, ...]:

@@ -126,8 +126,13 @@ class Field:
 
     def check(self, value: Any) -> Any:
         """Return a value as it is kept, None if it is empty and may be; raises BadInput."""
+        if self.tidy:
+            return self.tidy(value)
         if not self.is_number:
-            return self._check_word(value)
+            name, words = self.column, self.choices
+            return (
+                check_choice(name, value, words) if words else check_text(name, value, self.blank)
+            )
         if self.optional and value in (None, ""):
             return None
         if self.kind == "int":
@@ -137,13 +142,6 @@ class Field:
         if not isinstance(value, (list, tuple)) or not value:
             raise BadInput(f"{self.column} is {value!r}; it must be a list of numbers")
         return tuple(map(replace(self, kind="float").check, value))
-
-    def _check_word(self, value: Any) -> Any:
-        if self.tidy:
-            return self.tidy(value)
-        if self.choices:
-            return check_choice(self.column, value, self.choices)
-        return check_text(self.column, value, self.blank)
 
     def read(self, text: str) -> Any:
         """Return a cell's word, or its number in SI; raises BadInput."""

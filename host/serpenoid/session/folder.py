@@ -174,7 +174,7 @@ def read_session(folder: str | Path) -> Session:
         notes.append(
             f"{folder / 'events.csv'}: what older programs amended holds over session.toml"
         )
-    rows = _numbered(path, notes)
+    rows = numbered_rows(path, notes)
     voided = _voided(rows, events, folder / "events.csv")
     session = Session(setup, (), str(path), folder=folder, events=tuple(events))
     left_out = list[str]()
@@ -250,11 +250,6 @@ def read_events(folder: Path, notes: list[str]) -> list[Event]:
     return events
 
 
-def reading_rows(folder: Path) -> Numbered:
-    """Return the rows of all readings by their numbers, of whatever kind, voided or not."""
-    return _numbered(folder / "readings.csv", [])
-
-
 def rows_in(path: Path, columns: tuple[str, ...], notes: list[str]) -> Iterator[Row]:
     """Yield the lines below the header by their columns, `where` each stands too; raises BadInput.
 
@@ -298,8 +293,11 @@ def _row(header: list[str], line: str) -> Row:
     return {name: cell.strip() for name, cell in zip(header, cells, strict=True)}
 
 
-def _numbered(path: Path, notes: list[str]) -> Numbered:
-    """Return the rows by number, each checked against those before it; raises BadInput."""
+def numbered_rows(path: Path, notes: list[str]) -> Numbered:
+    """Return the rows of all readings by number, each checked against those before it.
+
+    notes: takes what is told of lines that do not count. Raises BadInput.
+    """
     rows: Numbered = {}
     for row in rows_in(path, READING_COLUMNS, notes):
         with located(row["where"]):

@@ -30,9 +30,9 @@ from .folder import (
     check_session,
     kind_of,
     make_reading,
+    numbered_rows,
     read_session,
     reading_row,
-    reading_rows,
 )
 from .session import Session
 from .settings import changes
@@ -148,7 +148,7 @@ class Journal:
 
     def _read(self) -> None:
         self.session = read_session(self.folder)
-        self.rows = reading_rows(self.folder)
+        self.rows = numbered_rows(self.folder / "readings.csv", [])
 
     def _take_lock(self) -> None:
         path = self.folder / ".lock"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -15,9 +14,6 @@ from ..group import Commands
 from ..options import show_json
 from .calibrate_new import new
 from .calibrate_push import push
-
-if TYPE_CHECKING:
-    from ...session.journal import Journal
 
 
 @click.group(cls=Commands, usual="take")
@@ -51,28 +47,18 @@ def take(
     """Start or resume a session; `serpenoid calibrate DIR` is short for this."""
     if script is not None and port is not None:
         raise click.UsageError("give one of --script and --port")
-    if script is not None:
-        return _scripted(folder, script)
-    from .calibrate_person import with_a_person
+    if script is None:
+        from .calibrate_person import with_a_person
 
-    return with_a_person(folder, port)
-
-
-def _journal(folder: Path) -> Journal:
-    from ...session.journal import Journal
-
-    return Journal(folder)
-
-
-def _scripted(folder: Path, script: Path) -> None:
-    from ...session.journal import PROGRAM
+        return with_a_person(folder, port)
+    from ...session.journal import PROGRAM, Journal
     from ...taking.script import run_script
 
-    with _journal(folder) as journal:
+    with Journal(folder) as journal:
         journal.event("start", detail=f"{PROGRAM}, script {script.name}")
         added = run_script(journal, script, lambda text: say(text, err=True))
         journal.event("end")
-        say(f"{count_text(added, 'reading')} added; {journal.session}")
+        return say(f"{count_text(added, 'reading')} added; {journal.session}")
 
 
 @calibrate.command()
@@ -88,6 +74,7 @@ def add(
     comment: str,
 ) -> None:
     """Add one reading, such as `station lambda_deg=0 incline_deg=2.3 belt_speed_m_s=1.6km/h`."""
+    from ...session.journal import Journal
     from ...taking.parse_number import typed_cells
 
     typed = dict[str, str]()
@@ -96,7 +83,7 @@ def add(
         if not equals:
             raise BadInput(f"{cell!r} is not NAME=VALUE")
         typed[name] = text
-    with _journal(folder) as journal:
+    with Journal(folder) as journal:
         values = typed_cells(kind, typed, journal.session.setup)
         number = journal.add(kind, values, replaces=replaces, comment=comment)
     say(f"reading {number} is kept" + (f"; reading {replaces} is not" if replaces else ""))
@@ -107,7 +94,9 @@ def add(
 @option("--reason", "Reason not to use it.", default="")
 def void(folder: Path, number: int, reason: str) -> None:
     """Mark a reading as void, so that it is not used; its line stays in the file."""
-    with _journal(folder) as journal:
+    from ...session.journal import Journal
+
+    with Journal(folder) as journal:
         journal.event("void", number, reason)
     say(f"reading {number} is void")
 
