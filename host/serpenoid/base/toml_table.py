@@ -80,7 +80,7 @@ class Table:
         match = pattern.search(self.text, self.start)
         return match.end() if match else 0
 
-    def only(self, *names: str, optional: tuple[str, ...] = ()) -> None:
+    def check_keys(self, *names: str, optional: tuple[str, ...] = ()) -> None:
         """Raise BadInput unless the table has all keys `names`, and no others but optional ones."""
         unknown = next((key for key in self.values if key not in names + optional), "")
         check_names(self.values, names, self.where(unknown), "key", optional)

@@ -19,7 +19,7 @@ from .options import (
     make_gait,
     make_snake,
     show_json,
-    take_servo,
+    typed_servo,
     warn_of_two_motions,
 )
 from .predict import expect
@@ -162,7 +162,7 @@ def drive(
     from ..show.live import show_summary, view
 
     gait, snake = make_gait(settings | typed_gait), make_snake(robot, {}) if robot else None
-    kind = take_servo(servo, settings, snake)
+    kind = typed_servo(servo, settings, snake)
     if kind and snake and not (snake.session or "frame_ms" in settings):
         kind = kind.at_frames(1e-6 * frame_us(snake.robot.links - 1))
     if not (snake and snake.fit) and (too_fast := too_fast_text(gait, kind)):

@@ -174,7 +174,7 @@ def settings(*groups: str) -> Option:
     )
 
 
-def chosen(settings: Values, *groups: str) -> Values:
+def group_settings(settings: Values, *groups: str) -> Values:
     """Return the given settings that belong to some groups of SETTINGS."""
     names = SettingType(*groups).known
     return {name: value for name, value in settings.items() if name in names}

@@ -26,8 +26,8 @@ from .declare import (
     OutFile,
     Setting,
     Values,
-    chosen,
     flag,
+    group_settings,
     number,
     option,
     parsed_number,
@@ -337,8 +337,8 @@ def make_snake(name: str | None, settings: Values, base: Snake | None = None) ->
     """
     if name is not None or base is None:
         base = named_snake(name or "2005")
-    body = chosen(settings, "robot")
-    friction = chosen(settings, "friction")
+    body = group_settings(settings, "robot")
+    friction = group_settings(settings, "friction")
     if not body and not friction:
         return base
     old, ground = base.robot, base.ground
@@ -371,7 +371,7 @@ def session_fit(session: sn.Session) -> sn.FrictionFit:
     return sn.fit_friction(session)
 
 
-def take_servo(
+def typed_servo(
     name: str | None, settings: Values, snake: Snake | None = None
 ) -> sn.ServoKind | None:
     """Return the kind of servo that --servo names; None for ideal joints.

@@ -23,9 +23,9 @@ from .declare import (
     OutFile,
     Setting,
     Values,
-    chosen,
     command,
     flag,
+    group_settings,
     number,
     option,
     parsed_number,
@@ -42,7 +42,7 @@ from .options import (
     print_result,
     refuse_springs,
     show_json,
-    take_servo,
+    typed_servo,
     warn_of_two_motions,
 )
 
@@ -76,7 +76,7 @@ def steady(
 
     snake = make_snake(robot, settings)
     body = snake.robot, snake.ground, make_gait(settings | typed_gait)
-    springs = chosen(settings, "springs")
+    springs = group_settings(settings, "springs")
     rtol = settings.get("rtol", 1e-6)
     typed = {"gait": describe(body[2])}
     if formulation == "implicit":
@@ -88,7 +88,7 @@ def steady(
         soft = busy("solving", lambda _: sn.steady_springs(*body, rtol=rtol, **springs))
         return print_result(soft, as_json, verbose, typed | snake.notes)
     refuse_springs(settings)
-    kind = take_servo(servo, settings, snake)
+    kind = typed_servo(servo, settings, snake)
 
     def solved(show_share: Callable[[float], object]) -> tuple[Expected, sn.SpeedLosses]:
         state = sn.steady_gait(*body, rtol=rtol, sensitivities=sensitivities)
@@ -218,7 +218,7 @@ def sweep(
     from ..show.sweep_files import write_sweep
 
     snake = make_snake(robot, settings)
-    kind = take_servo(servo or IDEAL, settings, snake)
+    kind = typed_servo(servo or IDEAL, settings, snake)
     if frequency_hz is not None and omega_rad_s is not None:
         raise click.UsageError("--omega-rad-s and --frequency-hz say the same; give one")
     alphas_deg, betas_deg = _span(alpha_deg, "--alpha-deg"), _span(beta_deg, "--beta-deg")
@@ -232,7 +232,7 @@ def sweep(
             f"{count:.3g} gaits are too many for one answer, which holds up to {MAX_GAITS:.3g}; "
             "take larger steps, or sweep one part after the other"
         )
-    how = chosen(settings, "rtol") | {"scheduler": scheduler, "servo": kind}
+    how = group_settings(settings, "rtol") | {"scheduler": scheduler, "servo": kind}
     how["alpha_rad"] = [sn.Gait.degrees(x, 0.0, **rates[0]).alpha_rad for x in alphas_deg]
     how["beta_rad"] = [sn.Gait.degrees(0.0, x, **rates[0]).beta_rad for x in betas_deg]
     how["omega_rad_s"] = [sn.Gait.degrees(0.0, 0.0, **rate).omega_rad_s for rate in rates]
@@ -301,9 +301,9 @@ def optimize(
 
     snake = make_snake(robot, settings)
     body = snake.robot, snake.ground
-    kind = take_servo(servo, settings, snake)
+    kind = typed_servo(servo, settings, snake)
     request: Values = {"speed_m_s": speed_m_s, "formulation": formulation or "explicit"}
-    request |= chosen(settings, "cost")
+    request |= group_settings(settings, "cost")
 
     def searched(_: object) -> tuple[sn.LeastPower, sn.LeastPower | None]:
         best = sn.least_power_gait(*body, limits=_limits(settings, ideal, kind), **request)
@@ -346,7 +346,7 @@ def _limits(settings: Values, ideal: bool, kind: sn.ServoKind | None) -> sn.Gait
         limits["servo_speed_deg_s"] = min(limits["servo_speed_deg_s"], followed_deg_s)
     values = {
         name.replace("_deg", "_rad"): math.radians(limit) if "_deg" in name else limit
-        for name, limit in (limits | chosen(settings, "limits")).items()
+        for name, limit in (limits | group_settings(settings, "limits")).items()
     }
     return sn.GaitLimits(**values)
 

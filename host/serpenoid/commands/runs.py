@@ -39,7 +39,7 @@ from .options import (
     make_snake,
     refuse_springs,
     show_json,
-    take_servo,
+    typed_servo,
 )
 
 
@@ -166,7 +166,7 @@ def make_scene(base: sn.Scene | None, snake: Snake, servo: str | None, values: V
     changes = {name: value for name, value in values.items() if name in names}
     for name in values.keys() & {"incline_deg", "incline_direction_deg"}:
         changes[name.replace("_deg", "_rad")] = math.radians(values[name])
-    kind = take_servo(servo or IDEAL, values, snake)
+    kind = typed_servo(servo or IDEAL, values, snake)
     if servo is not None:
         drive = "angle" if kind is None else "servo"
         changes |= {"drive": drive, "servo": kind and kind.servo, "torque": None}

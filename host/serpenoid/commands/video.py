@@ -17,7 +17,7 @@ from .declare import (
     FOLDER,
     OutFile,
     Values,
-    chosen,
+    group_settings,
     number,
     option,
     row,
@@ -64,7 +64,7 @@ def _robot(
 
     setup = read_session(session).setup if session else None
     base = setup.robot if setup else named_snake("2005").robot
-    sizes = chosen(settings, "sizes")
+    sizes = group_settings(settings, "sizes")
     side_m = setup.robot_table.tag_side_m if setup else None
     side_m = side_m if tag_mm is None else check_number("tag_mm", tag_mm, *POSITIVE) / 1e3
     return replace(base, **sizes, link_inertia_kg_m2=None), side_m
@@ -136,7 +136,9 @@ def film(
     if way is not None and session_folder is None:
         raise click.UsageError("--way is along the line of a session's pushes; give --session")
     robot, side = _robot(session_folder, tag_mm, settings)
-    typed = chosen(settings, "offset") | {n: v for n, v in typed_gait.items() if v is not None}
+    typed = group_settings(settings, "offset") | {
+        n: v for n, v in typed_gait.items() if v is not None
+    }
     if recording and typed:
         raise click.UsageError("--recording has the gait; leave the gait's options out")
     gait = recorded_gait(recording, robot.links - 1) if recording else None

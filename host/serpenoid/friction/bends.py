@@ -143,9 +143,9 @@ def straightness_factors(links: int, bent: int = 0) -> tuple[float, float]:
     straight = links - bent
     if straight <= STEERED_LINKS:
         return 0.0, 0.0
-    place = bent / 2 + np.arange(straight, dtype=float)
-    joints_before = np.minimum.outer(place, place)
-    steered = np.column_stack([np.ones(straight), place])
+    position = bent / 2 + np.arange(straight, dtype=float)
+    joints_before = np.minimum.outer(position, position)
+    steered = np.column_stack([np.ones(straight), position])
     residual_maker = np.eye(straight) - steered @ np.linalg.pinv(steered)
     covariance = residual_maker @ joints_before @ residual_maker.T
     s = np.sqrt(np.diag(covariance))

@@ -385,13 +385,13 @@ def _not_found(best: Steady, rtol: float) -> str:
     gait, follow = gait_name(best.gait), "follow the motion in time with simulate"
     if math.isinf(best.error_estimate):
         return f"no periodic state found for {gait}, nor anything near one; {follow}"
-    also = f", its net power an error of {best.power_error_w:.1g} W"
+    details = f", its net power an error of {best.power_error_w:.1g} W"
     if best.error_estimate > rtol:
-        also = ""
+        details = ""
     elif not best.stable:
-        also = ", but disturbances of it grow: no motion stays there"
+        details = ", but disturbances of it grow: no motion stays there"
     return (
         f"no periodic state found to rtol {rtol:g} for {gait}: the best has a speed of "
-        f"{best.speed_m_s:.6g} m/s with a relative error of {best.error_estimate:.1g}{also}; "
+        f"{best.speed_m_s:.6g} m/s with a relative error of {best.error_estimate:.1g}{details}; "
         f"ask for a larger rtol, or {follow}"
     )

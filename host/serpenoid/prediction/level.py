@@ -82,10 +82,10 @@ def level_run(
         max(_crawl_speed(fit, driven, servo, factor * mean_rad), 1e-6)
         for factor in (0.0, 1.0, -1.0)
     )
-    share = max(slope_m_s / level_m_s, MIN_SHARE) * float(shares.mean())
+    speed_ratio = max(slope_m_s / level_m_s, MIN_SHARE) * float(shares.mean())
     largest = max(abs(speed / level_m_s - 1.0) for speed in (slope_m_s, opposite_m_s))
-    speed = run.speed_m_s / share
-    sigma = math.hypot(run.speed_sigma_m_s / share, EFFECT_SIGMA * largest * speed)
+    speed = run.speed_m_s / speed_ratio
+    sigma = math.hypot(run.speed_sigma_m_s / speed_ratio, EFFECT_SIGMA * largest * speed)
     return replace(run, speed_m_s=speed, speed_sigma_m_s=sigma), shares / shares.mean()
 
 

@@ -240,7 +240,7 @@ def load_servo(path: str | Path) -> ServoKind:
         "sigma": lambda key: _numbers(top.table(key), tuple(UNCERTAIN), 0.0, 3.0),
         "drawn": lambda key: _drawn(top.table(key).without_removed(REMOVED), servo),
     }
-    top.only("format", "servo", optional=tuple(readers))
+    top.check_keys("format", "servo", optional=tuple(readers))
     table = top.table("servo").without_removed(REMOVED)
     with located(table.heading):
         servo = Servo(**_numbers(table, Servo.__match_args__))
@@ -251,13 +251,13 @@ def load_servo(path: str | Path) -> ServoKind:
 
 def _numbers(table: Table, names: tuple[str, ...], *limits: float) -> dict[str, float]:
     """Return the numbers of a table that has some of these names."""
-    table.only(optional=names)
+    table.check_keys(optional=names)
     return {name: table.number(name, *limits) for name in table.values}
 
 
 def _drawn(table: Table, typical: Servo) -> tuple[Servo, ...]:
     """Return the servos of [drawn]: lists of equal length, by field."""
-    table.only(optional=Servo.__match_args__)
+    table.check_keys(optional=Servo.__match_args__)
     columns = {name: table.numbers(name) for name in table.values}
     counts = {len(values) for values in columns.values()}
     if len(counts) != 1:

@@ -255,7 +255,9 @@ class SettingsTable(Declared):
     def read(cls: type[T], table: Table) -> T:
         """Return a file's table; raises BadInput, naming file and line, too."""
         needed = [part.name for part in fields(cls) if part.default is MISSING]
-        table.only(*needed, optional=tuple(name for name in cls.declared if name not in needed))
+        table.check_keys(
+            *needed, optional=tuple(name for name in cls.declared if name not in needed)
+        )
         values = dict(table.values)
         for name, value in values.items():
             with located(table.where(name)):

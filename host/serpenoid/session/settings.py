@@ -337,7 +337,7 @@ class Setup:
     @classmethod
     def read(cls, top: Table) -> Setup:
         """Return the set-up of a session.toml; raises BadInput."""
-        top.only("format", "name", "program", "created_utc", *TABLES)
+        top.check_keys("format", "name", "program", "created_utc", *TABLES)
         parts: list[Any] = [kind.read(top.table(name)) for name, kind in TABLES.items()]
         return cls(top.string("name"), *parts)
 

@@ -95,15 +95,15 @@ def _setting(scene: Scene) -> str:
 
 def _first_try(scene: Scene, accuracy: float) -> tuple[Scene, str]:
     """Return the scene of the first run, with its method and step or tolerance, and the reason."""
-    chosen, why = scene, f"method {scene.method!r} was given"
+    first_scene, why = scene, f"method {scene.method!r} was given"
     if isinstance(scene.method, OwnChoice):
         method = most_accurate_method(scene)
-        chosen, why = replace(scene, method=method), REASONS[method]
-    chosen = replace(chosen, tolerance=max(accuracy / 10, 10 * MIN_TOLERANCE))
-    if chosen.adaptive:
-        return chosen, why
-    longest_s = min(chosen.gait.period_s / 40, largest_stable_step_s(chosen) / 2)
-    return with_shorter_steps(chosen, chosen.dt_s / longest_s), why
+        first_scene, why = replace(scene, method=method), REASONS[method]
+    first_scene = replace(first_scene, tolerance=max(accuracy / 10, 10 * MIN_TOLERANCE))
+    if first_scene.adaptive:
+        return first_scene, why
+    longest_s = min(first_scene.gait.period_s / 40, largest_stable_step_s(first_scene) / 2)
+    return with_shorter_steps(first_scene, first_scene.dt_s / longest_s), why
 
 
 def finer_scene(scene: Scene, times: int = 1) -> Scene:

@@ -193,7 +193,7 @@ def _present(table: Table, maker: Callable[..., Any]) -> dict[str, str]:
             present[name] = typed[0]
         elif parameter.default is parameter.empty:
             missing.append(key)
-    table.only(*missing, optional=tuple(optional))
+    table.check_keys(*missing, optional=tuple(optional))
     return present
 
 
@@ -214,7 +214,7 @@ def _value(top: Table, name: str, key: str, links: int) -> Any:
 
 def _torque(table: Table) -> Any:
     """Read constant torques, or a table of them by time."""
-    table.only("torque_nm", optional=("t_s",))
+    table.check_keys("torque_nm", optional=("t_s",))
     if "t_s" not in table.values:
         return table.numbers("torque_nm")
     with located(table.heading):

@@ -221,7 +221,7 @@ def _pose(setup: Setup, bend_deg: float) -> Step:
     floor_words = (
         "On the floor, robot straight: align its links along a straightedge. Room: 2 m of level, "
         "even floor. Film from a tripod, square to the way or from above, all of the way in the "
-        "picture. Pushes by tape and watch only add to films: alone they leave frictions open."
+        "picture. Pushes by tape and watch only add to films: alone they do not tell all frictions."
     )
     return Step(key, "straight", floor_words if plan.on == "floor" else belt_words)
 
@@ -363,8 +363,8 @@ def _station(session: Session, bend_deg: float) -> Step | None:
         say += (
             f" If the belt carries it off, or it holds only below {MIN_SLIP_M_S:g} m/s, make it "
             "steeper. Let it settle. Then type the drift (m/s, + uphill) and the turn (+ to the "
-            "left), as 0.01 3deg. If it goes on drifting, type its places over some 4 s as s:m, "
-            f"{EXAMPLE}, or the file of their table."
+            "left), as 0.01 3deg. If it goes on drifting, type its positions over some 4 s as "
+            f"s:m, {EXAMPLE}, or the name of a file that lists them."
         )
     # A misread incline misplaces all later stations, so one far from the wanted incline is queried.
     # The first of a bent robot may have to be much steeper.

@@ -35,7 +35,7 @@ def simulated_person(top: Table, setup: Setup) -> SimulatedPerson:
     that predictions assume. Raises BadInput, naming file and line.
     """
     table, frictions = top.table("simulated"), ("ct", "cn", "ft0", "fn0")
-    table.only("seed", *frictions)
+    table.check_keys("seed", *frictions)
     seed = table.integer("seed")
     ground = Ground(*(table.number(name, 0.0) for name in frictions))
     servo, rolling_kg = driving(setup, HOBBY).draws(1, seed)[0], wheel_inertia_kg(setup)
@@ -49,7 +49,7 @@ def run_script(journal: Journal, path: Path, tell: Callable[[str], object]) -> i
     naming file and line.
     """
     top = Table.load(path)
-    top.only("reading" if "reading" in top.values else "simulated")
+    top.check_keys("reading" if "reading" in top.values else "simulated")
     if "reading" in top.values:
         return _add_listed(journal, top)
     previous = journal.last

@@ -119,13 +119,13 @@ def widened_sigmas(w: Watched, m: Measured) -> Array:
 Filmed = tuple[FilmedRun, Gait | None]  # The measured motion, and the commanded gait.
 
 
-def _lags(filmed: Filmed) -> Array:
+def _shifts(filmed: Filmed) -> Array:
     """Return the phase error of each joint, rad, (joints,)."""
     return np.array(measured_gait(*filmed).joint_shift_rad)
 
 
-def _lag_words(filmed: Filmed, _: float) -> str:
-    lags = _lags(filmed)
+def _shift_words(filmed: Filmed, _: float) -> str:
+    lags = _shifts(filmed)
     joints = [
         f"joint {k + 1} is {math.degrees(lags[k]):+.0f}°"
         for k in np.flatnonzero(np.abs(lags) > PHASE_RAD)
@@ -248,7 +248,7 @@ CHECKS = (
         "robot start, stop or change its gait in the film? Cut those parts off",
         warn=0.1,
     ),
-    Check("servos", "phase", lambda f: np.abs(_lags(f)).max(), _lag_words, warn=PHASE_RAD),
+    Check("servos", "phase", lambda f: np.abs(_shifts(f)).max(), _shift_words, warn=PHASE_RAD),
     Check("servos", "centre", lambda f: _centres(f)[1].max(), _centre_words, warn=1),
     Check("servos", "gait", lambda f: gait_doubt(*f) != "", lambda f, _: gait_doubt(*f), warn=0),
 )  # fmt: skip

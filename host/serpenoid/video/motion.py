@@ -74,10 +74,10 @@ class Motion:
 
 def first_rate(t_s: Array, phi: Array, weight: Array) -> float:
     """Return the rate, rad/s, at which one sine explains the joints best; 0 if there is none."""
-    unit = 2 * np.pi / (t_s[-1] - t_s[0])
+    resolution = 2 * np.pi / (t_s[-1] - t_s[0])
     # No hobby servo reaches 40 rad/s, 6.4 Hz.
     high = min(40.0, 0.9 * np.pi / float(np.median(np.diff(t_s))))
-    rates = np.arange(0.6 * unit, high, 0.1 * unit)
+    rates = np.arange(0.6 * resolution, high, 0.1 * resolution)
     explained = []
     for rate in rates:
         columns = basis(t_s, rate, 1)

@@ -8,8 +8,8 @@ import serpenoid as sn
 
 from ...base.checks import NOT_NEGATIVE, Limits
 from ...show.screen import say
-from ..declare import SETTINGS, OutFile, Setting, Values, chosen, command, option, settings
-from ..options import busy, print_result, session_fit, show_json, take_servo, warn_of_alarms
+from ..declare import SETTINGS, OutFile, Setting, Values, command, group_settings, option, settings
+from ..options import busy, print_result, session_fit, show_json, typed_servo, warn_of_alarms
 
 SETTINGS["samples"] = (
     Setting("samples", "samples of friction, drawn from the fit", "", Limits(16, 4096), "64"),
@@ -31,7 +31,7 @@ def measured(
     session = sn.load_session(folder)
     fit = session_fit(session)
     notes = warn_of_alarms(fit)
-    return session, fit, take_servo(servo, settings), notes
+    return session, fit, typed_servo(servo, settings), notes
 
 
 @command()
@@ -94,7 +94,7 @@ def advise(
     `compare`: any hobby servo may move the joints unless --servo says which.
     """
     loaded, _, kind, notes = measured(session, servo, settings)
-    how = chosen(settings, "samples")
+    how = group_settings(settings, "samples")
     advice = busy(
         "advising", lambda share: sn.advise(loaded, gaits, servo=kind, progress=share, **how)
     )
@@ -121,7 +121,7 @@ def compare(
     from ...show import report
 
     loaded, fit, kind, notes = measured(session, servo, settings)
-    how = chosen(settings, "samples", "amplitude") | {"gaits": gaits, "servo": kind}
+    how = group_settings(settings, "samples", "amplitude") | {"gaits": gaits, "servo": kind}
     compared = busy("comparing", lambda share: sn.compare(loaded, fit, progress=share, **how))
     if figure is not None:
         compared.plot(figure)

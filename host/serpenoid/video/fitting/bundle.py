@@ -93,27 +93,27 @@ def fit(
     return Bundle(point.camera, point.covariance(), point.noise_px, side_m, turns, cost)
 
 
-def misses(camera: Camera, states: Array, s: Sightings) -> Array:
+def corner_residuals(camera: Camera, states: Array, s: Sightings) -> Array:
     """Return found minus expected corners, px, (frames, links, 4, 2); 0 for tags not found."""
     image = camera.image(camera.corners(states)) + camera.readout_s * s.skew
     return np.where(s.visible[..., None, None], s.corners_px - image, 0.0)
 
 
 def rms(misses_px: Array) -> Array:
-    """Return the root mean square of each tag's misses, (frames, links), px."""
+    """Return the root mean square of each tag's residuals, (frames, links), px."""
     return np.sqrt(np.mean(misses_px**2, axis=(2, 3)))
 
 
 def equations(
     camera: Camera, states: Array, s: Sightings, noise_px: float, shared: bool = False
 ) -> tuple[Array, Array]:
-    """Return weighted derivatives by the states, and weighted misses.
+    """Return weighted derivatives by the states, and weighted residuals.
 
-    The derivatives are (frames, 8 links, states) and the misses (frames, 8 links, 1). shared:
-    whether the derivatives by the shared parameters precede the misses in the second array. The
+    The derivatives are (frames, 8 links, states) and the residuals (frames, 8 links, 1). shared:
+    whether the derivatives by the shared parameters precede the residuals in the second array. The
     weight of a tag is 1, less for outliers, and 0 if it was not found.
     """
-    residual = misses(camera, states, s)
+    residual = corner_residuals(camera, states, s)
     share = np.minimum(1.0, OUTLIER / np.maximum(rms(residual) / noise_px, 1e-9))
     root = (np.sqrt(s.visible * share) / noise_px)[..., None, None, None]
     columns = residual[..., None]
@@ -145,7 +145,7 @@ class _Point:
     def noise(self) -> float:
         """Return a robust estimate of the standard deviation of a corner's coordinate, px."""
         s = self.sightings
-        residual = misses(self.camera, self.states, s)[s.visible]
+        residual = corner_residuals(self.camera, self.states, s)[s.visible]
         # Of the 8 coordinates of a tag, some 1.5 are used up by the frame's state.
         return max(0.02, 1.4826 * float(np.median(np.abs(residual))) * np.sqrt(8 / 6.5))
 
@@ -156,7 +156,7 @@ class _Point:
 
     def cost(self) -> float:
         """Return the sum of squares; the part of a tag beyond OUTLIER grows linearly (Huber)."""
-        distance = rms(misses(self.camera, self.states, self.sightings)) / self.noise_px
+        distance = rms(corner_residuals(self.camera, self.states, self.sightings)) / self.noise_px
         if not np.isfinite(distance).all():
             return np.inf
         squares = np.where(distance < OUTLIER, distance**2, OUTLIER * (2 * distance - OUTLIER))

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..seeing.sightings import Sightings
-from .bundle import Bundle, equations, misses, rms
+from .bundle import Bundle, corner_residuals, equations, rms
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def fit_states(
         variance = np.diagonal(covariance, axis1=1, axis2=2)
         neighbours = np.diagonal(covariance[:, 2:, 2:], offset=1, axis1=1, axis2=2)
         joints = variance[:, 2:-1] + variance[:, 3:] - 2 * neighbours
-        rest_px = np.where(s.visible, rms(misses(camera, states, s)), np.nan)
+        rest_px = np.where(s.visible, rms(corner_residuals(camera, states, s)), np.nan)
         part = [states, variance[:, 0] + variance[:, 1], joints, rest_px]
         if sensitive:
             b = equations(camera, states, s, fit.noise_px, shared=True)[1][..., :-1]
