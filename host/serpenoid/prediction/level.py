@@ -44,7 +44,7 @@ class CrawlSteps:
 CRAWL = CrawlSteps()
 EFFECT_SIGMA = 0.2  # Relative sigma of the predicted effect of a slope, for fitted friction.
 MIN_SHARE = 0.01  # Smallest ratio of the speed on a slope to the level speed.
-SLOPES = 1024  # Number of samples of a slope; with 256, comparisons show faults less often.
+SLOPES = 1024  # Samples of a slope; with 256, `compare` notices wrong predictions less often.
 # Deviations of the slope along and across a run, in sigmas, for which the speed is simulated. The
 # speed falls steeply uphill and hardly changes downhill. It is interpolated linearly, and constant
 # beyond the ends.

@@ -41,7 +41,7 @@ class Console:
         tick_s = 0.5  # time between two calls of tick
         line, end_s, terminal = "", time.monotonic() + PATIENCE_S, sys.stdin.isatty()
         with system.single_keys() if terminal else nullcontext():
-            print(visible(prompt), end="", flush=True)  # only when keys can be read
+            print(visible(prompt), end="", flush=True)  # now keys can be read
             while True:
                 key = self._reader(tick_s)
                 if terminal and key in self.keys and not (key == " " and line):
