@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 from calibration.conversations import Typist
-from serpenoid.session.folder import read_session, reading_rows
+from serpenoid.session.folder import numbered_rows, read_session
 from serpenoid.session.journal import Journal
 from serpenoid.taking.dialogue import Dialogue
 from serpenoid.taking.new_session import create_session, default_setup, on_place
@@ -34,7 +34,7 @@ def talk(folder, lines):
     with Journal(folder) as journal:
         Dialogue(journal, person).run()
     kept = [int(n) for n in re.findall(r"kept as reading (\d+)", person.heard)]
-    there = list(reading_rows(folder))
+    there = list(numbered_rows(folder / "readings.csv", []))
     assert set(kept) <= set(there)
     assert there == sorted(set(there))
     read_session(folder)
