@@ -131,6 +131,7 @@ def table(
     from rich.table import Table
 
     printed = Table(title=title, title_justify="left", title_style="bold", header_style="")
+    printed.show_header = any(heads)
     for i, head in enumerate(heads):
         printed.add_column(head, justify="left" if i < text_columns else "right", overflow="fold")
     for row in cells:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import itertools
 import os
+import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -66,6 +67,8 @@ def of_arguments(error: click.ClickException) -> str:
 
 def of_system(error: OSError) -> str:
     """Return what the system has against a file, as one line."""
+    if isinstance(error, shutil.Error) and isinstance(error.args[0], list):
+        return str(error.args[0][0][2])  # of a tree's files, the first that failed
     if error.strerror is None:
         return str(error)
     name = error.filename if isinstance(error.filename, (str, bytes)) else ""

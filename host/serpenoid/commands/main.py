@@ -96,7 +96,9 @@ def main() -> None:
     except click.ClickException as error:
         say(f"serpenoid: {of_arguments(error)}", err=True)
         status = error.exit_code
-    except (click.Abort, KeyboardInterrupt, _Signalled) as error:
+    except (click.Abort, KeyboardInterrupt, _Signalled, ImportError) as error:
+        if isinstance(error, ImportError) and not isinstance(error.__cause__, KeyboardInterrupt):
+            raise  # else Ctrl-C came while a compiled module was being imported
         status = error.code if isinstance(error, _Signalled) else 130
         say("stopped", err=True)
         if threading.active_count() > 1:  # the core's loop cannot be ended, only left behind

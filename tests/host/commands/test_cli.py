@@ -66,6 +66,22 @@ def test_ctrl_c_stops_a_long_run_at_once() -> None:
     assert said.split("\n") == ["nothing of this run is kept", "", "stopped", ""]
 
 
+INTERRUPTED_IMPORT = """
+from serpenoid import _core
+from serpenoid.__main__ import main
+def initialized(*_):
+    raise ImportError("initialization failed") from KeyboardInterrupt()
+_core.run = initialized
+main()
+"""
+
+
+def test_ctrl_c_while_a_compiled_module_is_imported_is_no_traceback() -> None:
+    line = [sys.executable, "-c", INTERRUPTED_IMPORT, *f"simulate {GAIT}".split()]
+    run = subprocess.run(line, capture_output=True, text=True, timeout=LONG_S, check=False)
+    assert (run.returncode, run.stderr.strip()) == (130, "stopped")
+
+
 @pytest.mark.parametrize(
     ("line", "status", "said"),
     [
