@@ -19,7 +19,7 @@ from .. import _core
 from ..base.files import read_json, write_text
 from ..lab.crawl import crawl_speed
 from ..model.gait import gait_name
-from ..prediction.band import speed_band
+from ..prediction.speeds import speed_band
 from ..session.journal import Journal
 from ..session.settings import Provenance, Setup
 from ..show.report import console

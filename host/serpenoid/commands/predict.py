@@ -47,7 +47,7 @@ from .options import (
 )
 
 if TYPE_CHECKING:
-    from ..prediction.band import SpeedBand
+    from ..prediction.speeds import SpeedBand
 
 
 @command()
@@ -146,7 +146,7 @@ def expect(
     sampled servos of an uncertain kind; with a fit they are in the band instead.
     """
     from ..periodic.servo_steady import with_servo
-    from ..prediction.band import speed_band
+    from ..prediction.speeds import speed_band
 
     moved, band = None, None
     if snake.fit:

@@ -87,7 +87,7 @@ def draw(folder: Path) -> list[Claim]:
     from .. import _core
     from ..base.long_calls import in_threads
     from ..paper import study
-    from ..prediction.band import speed_band
+    from ..prediction.speeds import speed_band
     from ..show import plot, run_figure
     from ..show.gaits import gait_figures
 

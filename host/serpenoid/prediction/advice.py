@@ -23,9 +23,8 @@ from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import too_fast_text
 from ..session.crawls import as_run, crawls_by_command, driving, same_command
 from ..session.session import Session
-from .band import predict
 from .next_readings import MINUTES, NextReading, next_pushes, next_stations
-from .speeds import SAMPLES, Progress, Samples, draw_samples
+from .speeds import SAMPLES, Progress, Samples, draw_samples, predict
 
 MIN_REDUCTION = 0.1  # Relative reduction of the band that makes a reading worth its time.
 # Share of the servos' contribution to the band that remains after a bench test of one joint.

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -19,14 +20,21 @@ from ..friction.result import FrictionFit
 from ..model.drives import ServoKind
 from ..model.gait import Gait, gait_name
 from ..servos.catalogue import HOBBY
-from ..servos.speed_limit import too_fast_text
+from ..servos.speed_limit import highest_hz, too_fast_text
 from ..session.crawls import Crawls, crawls_by_command, driving, mean_speed, same_command
 from ..session.gait_run import Crawl
 from ..session.session import Session
 from ..simulation.steady_springs import steady_springs
-from .band import SpeedBand, predict
 from .level import SLOPES, level_run, slope_in_words
-from .speeds import AMPLITUDE_SIGMA, SAMPLES, Progress, Samples, draw_samples
+from .speeds import (
+    AMPLITUDE_SIGMA,
+    SAMPLES,
+    Progress,
+    Samples,
+    SpeedBand,
+    draw_samples,
+    predict,
+)
 from .verdict import Factor, Predicted, best_factors
 
 MIN_P_VALUE = 0.05  # p-value below which the measured speeds differ from the prediction.
@@ -356,3 +364,21 @@ def _explained(friction: Factor | None, amplitude: Factor | None) -> str:
         "No one factor on friction or on amplitude explains it: check the ground's slope, the "
         "surface, the tape and the watch, the frequency, and the gait itself."
     )
+
+
+@lru_cache(maxsize=1)  # the picture and the page of a comparison share it
+def speed_curves(compared: Comparison) -> dict[tuple[float, float], list[SpeedBand]]:
+    """Return bands at rising frequencies that servos can follow, by amplitude and phase lag."""
+    fit, servo = compared.fit, compared.servo
+    if fit is None:
+        return {}
+    samples = draw_samples(fit, servo, compared.amplitude_sigma)
+    rates_hz = [row.frequency_hz for row in compared.gaits]
+    first_hz, max_hz = 0.6 * min(rates_hz), 1.3 * max(rates_hz)
+    curves = {}
+    for shape in dict.fromkeys((row.gait.alpha_rad, row.gait.beta_rad) for row in compared.gaits):
+        last_hz = min(max_hz, highest_hz(Gait(*shape, math.tau), servo)) if servo else max_hz
+        # A band's ends scatter by more than the error of straight lines between 12 points.
+        frequency_hz = np.linspace(min(first_hz, 0.6 * last_hz), last_hz, 12).tolist()
+        curves[shape] = [predict(samples, Gait(*shape, math.tau * hz)) for hz in frequency_hz]
+    return curves

@@ -11,8 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..base.vectors import columns
-from ..prediction.comparison import ComparedGait, Comparison
-from ..prediction.curve import speed_curves
+from ..prediction.comparison import ComparedGait, Comparison, speed_curves
 from ..servos.speed_limit import highest_hz
 from .plot import COLOURS, GREY, hatch_beyond
 

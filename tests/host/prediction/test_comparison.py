@@ -11,7 +11,7 @@ from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from refusals import refused
 from robots import BINGHAM
 from serpenoid.prediction import comparison
-from serpenoid.prediction.band import speed_band
+from serpenoid.prediction.speeds import speed_band
 from serpenoid.prediction.verdict import Predicted
 from serpenoid.session.gait_run import GaitRun
 
