@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -114,23 +113,6 @@ def acceleration(
     """
     check_parts(robot, ground)
     check_choice("formulation", formulation)
-    links = _link_state(robot, state)
-    request = _core.RunRequest(core_model(robot, ground, Gait(0.0, 0.0, 1.0)))
-    request.choose(formulation, "angle" if torque_nm is None else "torque", "rk4")
-    joints = {"torque_nm": torque_nm, "joint_acceleration_rad_s2": joint_acceleration_rad_s2}
-    imposed = [(name, values) for name, values in joints.items() if values is not None]
-    if len(imposed) != 1:
-        raise BadInput(f"{len(imposed)} of {' and '.join(joints)} are given; give one of them")
-    request.joint_stiffness_n_m = check_number("joint_stiffness_n_m", joint_stiffness_n_m, 0.0)
-    request.joint_damping_n_s_m = check_number("joint_damping_n_s_m", joint_damping_n_s_m, 0.0)
-    by_joint = finite_vector(*imposed[0], robot.links - 1)
-    values = _core.evaluate(request, links.packed(), by_joint)
-    names = "ax", "ay", "alpha", "fx", "fy", "joint_fx", "joint_fy", "joint_torque"
-    return Acceleration(*(values[name] for name in names))
-
-
-def _link_state(robot: Robot, state: Any) -> LinkState:
-    """Return a state as positions and rates of all links."""
     if not isinstance(state, LinkState):
         try:
             q, qdot = state
@@ -140,4 +122,15 @@ def _link_state(robot: Robot, state: Any) -> LinkState:
         state = LinkState.joined(robot, q, qdot)
     if state.links != robot.links:
         raise BadInput(f"state has {state.links} links, the robot has {robot.links}")
-    return state
+    request = _core.RunRequest(core_model(robot, ground, Gait(0.0, 0.0, 1.0)))
+    request.choose(formulation, "angle" if torque_nm is None else "torque", "rk4")
+    joints = {"torque_nm": torque_nm, "joint_acceleration_rad_s2": joint_acceleration_rad_s2}
+    imposed = [(name, values) for name, values in joints.items() if values is not None]
+    if len(imposed) != 1:
+        raise BadInput(f"{len(imposed)} of {' and '.join(joints)} are given; give one of them")
+    request.joint_stiffness_n_m = check_number("joint_stiffness_n_m", joint_stiffness_n_m, 0.0)
+    request.joint_damping_n_s_m = check_number("joint_damping_n_s_m", joint_damping_n_s_m, 0.0)
+    by_joint = finite_vector(*imposed[0], robot.links - 1)
+    values = _core.evaluate(request, state.packed(), by_joint)
+    names = "ax", "ay", "alpha", "fx", "fy", "joint_fx", "joint_fy", "joint_torque"
+    return Acceleration(*(values[name] for name in names))

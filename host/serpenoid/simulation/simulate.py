@@ -185,8 +185,8 @@ def start_state(scene: Scene) -> LinkState:
     return start
 
 
-def core_request(scene: Scene) -> Any:
-    """Return a scene as the core takes it."""
+def run_core(scene: Scene, start: LinkState, progress: Progress | None = None) -> dict[str, Any]:
+    """Run a scene from a start and return Run's arrays by name (module.cpp); or raise Diverged."""
     q = _core.RunRequest(core_model(scene.robot, scene.ground, scene.gait))
     q.choose(scene.formulation, scene.drive, scene.method)
     for name in _core.SCENE_FIELDS:
@@ -207,12 +207,7 @@ def core_request(scene: Scene) -> Any:
     q.max_steps = MAX_LINK_STEPS // scene.robot.links
     for name in CHOICES["record"]:
         setattr(q, f"record_{name}", name in scene.record)
-    return q
-
-
-def run_core(scene: Scene, start: LinkState, progress: Progress | None = None) -> dict[str, Any]:
-    """Run a scene from a start and return Run's arrays by name (module.cpp); or raise Diverged."""
-    columns = _core.run(core_request(scene), start.packed(), progress)
+    columns = _core.run(q, start.packed(), progress)
     failed_at, why = columns.pop("failed_at"), columns.pop("why")
     if failed_at >= 0:
         raise Diverged(_what_failed(scene, failed_at, why))

@@ -13,7 +13,7 @@ from ..session.declaration import Values
 from ..session.journal import Journal
 from ..session.session import Session
 from .asking import WORDS, Asker, Quit, Restart, Skip, Undo
-from .films import FilmReader, named_file, no_films, push_in_words, take_track
+from .films import FilmReader, named_file, push_in_words, take_track
 from .procedure import Step, Tracked, expected_ranges, next_step, record_step
 from .session_robot import SessionRobot
 from .terminal import Console
@@ -32,17 +32,17 @@ QUIT_WORDS = "Left. Everything read so far is kept; the same command goes on fro
 class Dialogue:
     """Take a session step by step with a person.
 
-    robot: None if it is set by hand. show_fit: called with the session after each station or push.
-    film: what reads a film.
+    film: what reads a film. robot: None if it is set by hand. show_fit: called with the session
+    after each station or push.
     """
 
     def __init__(
         self,
         journal: Journal,
         terminal: Console,
+        film: FilmReader,
         robot: SessionRobot | None = None,
         show_fit: Callable[[Session], object] = lambda session: None,
-        film: FilmReader = no_films,
     ):
         self.journal, self._robot, self._show_fit, self._film = journal, robot, show_fit, film
         self._asker = Asker(terminal, journal, robot)

@@ -42,18 +42,13 @@ def named_file(text: str) -> tuple[Path, str | None] | None:
     return (path, unit) if isfile(path) or path.suffix[1:2].isalpha() else None
 
 
-def no_films(path: Path, robot: Robot, gait: Gait | None) -> Tracked:
-    """Raise BadInput: the reader of films where films cannot be measured."""
-    raise BadInput(f"{path}: films are not measured here; give the track of a push")
-
-
 def take_track(
     journal: Journal,
     path: Path,
     unit: str | None,
     cells: Cells,
-    film: FilmReader = no_films,
-    tell: Callable[[str], object] = lambda text: None,
+    film: FilmReader,
+    tell: Callable[[str], object],
     capture_fps: float | None = None,
 ) -> list[Push]:
     """Add the pushes of a film or table to the journal; return these readings.

@@ -23,37 +23,28 @@ from ..servos.catalogue import HOBBY
 from ..session.crawls import driving
 from ..session.folder import TRACK_WORDS, content
 from ..session.journal import Journal
-from ..session.settings import Setup
 from .parse_number import typed_cells
 from .simulated import SimulatedPerson, Truth, take_all, wheel_inertia_kg
-
-
-def simulated_person(top: Table, setup: Setup) -> SimulatedPerson:
-    """Return the simulated person, with robot and ground, of a script's table [simulated].
-
-    top: the whole script. The robot's joints have a hobby servo, sampled with the seed from those
-    that predictions assume. Raises BadInput, naming file and line.
-    """
-    table, frictions = top.table("simulated"), ("ct", "cn", "ft0", "fn0")
-    table.check_keys("seed", *frictions)
-    seed = table.integer("seed")
-    ground = Ground(*(table.number(name, 0.0) for name in frictions))
-    servo, rolling_kg = driving(setup, HOBBY).draws(1, seed)[0], wheel_inertia_kg(setup)
-    return SimulatedPerson(setup, Truth(ground, servo=servo, rolling_kg=rolling_kg), seed)
 
 
 def run_script(journal: Journal, path: Path, tell: Callable[[str], object]) -> int:
     """Take the remaining readings of a session from a script; return the number of new readings.
 
-    path: the script. tell: called with each step of a simulated person, in words. Raises BadInput,
-    naming file and line.
+    path: the script. tell: called with each step of a simulated person, in words. The simulated
+    robot's joints have a hobby servo, sampled with the seed from those that predictions assume.
+    Raises BadInput, naming file and line.
     """
     top = Table.load(path)
     top.check_keys("reading" if "reading" in top.values else "simulated")
     if "reading" in top.values:
         return _add_listed(journal, top)
-    previous = journal.last
-    take_all(journal, simulated_person(top, journal.session.setup), tell)
+    table, frictions = top.table("simulated"), ("ct", "cn", "ft0", "fn0")
+    table.check_keys("seed", *frictions)
+    seed, previous, setup = table.integer("seed"), journal.last, journal.session.setup
+    ground = Ground(*(table.number(name, 0.0) for name in frictions))
+    servo, rolling_kg = driving(setup, HOBBY).draws(1, seed)[0], wheel_inertia_kg(setup)
+    truth = Truth(ground, servo=servo, rolling_kg=rolling_kg)
+    take_all(journal, SimulatedPerson(setup, truth, seed), tell)
     return journal.last - previous
 
 

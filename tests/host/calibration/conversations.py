@@ -17,6 +17,7 @@ from typing import Any
 
 import tomllib
 from serpenoid import SerpenoidError
+from serpenoid.commands.friction.calibrate_person import film_reader
 from serpenoid.session.journal import Journal
 from serpenoid.taking.asking import Quit, Skip, Undo
 from serpenoid.taking.dialogue import Dialogue, ask_identity
@@ -79,7 +80,7 @@ def talked(folder: Path, head: str, typist: Typist) -> str:
     try:
         with Journal(folder) as journal:
             ask_identity(journal, typist)
-            Dialogue(journal, typist, typist.robot).run()
+            Dialogue(journal, typist, film_reader(None), typist.robot).run()
     except (Quit, Skip, Undo, EOFError, KeyboardInterrupt, SerpenoidError) as error:
         typist.heard += f"({type(error).__name__}) {error}\n"
     return typist.heard.replace(str(folder), "DIR")

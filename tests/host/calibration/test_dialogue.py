@@ -11,6 +11,7 @@ from command_line import serpenoid
 from robot.fake_board import eeprom_after
 from serpenoid import load_session
 from serpenoid.base.errors import RecordingFailed, RobotLost
+from serpenoid.commands.friction.calibrate_person import film_reader
 from serpenoid.robot.wire.virtual import VirtualLink
 from serpenoid.session.folder import read_events
 from serpenoid.session.journal import Journal
@@ -19,11 +20,11 @@ from serpenoid.taking.new_session import create_session, default_setup, on_place
 from serpenoid.taking.session_robot import SessionRobot
 
 
-def talk(folder, *lines, robot=None, **given):
+def talk(folder, *lines, robot=None, film=None, **given):
     """Return what a person heard, and the session afterwards."""
     person = Typist(*lines, robot=robot)
     with Journal(folder) as journal:
-        Dialogue(journal, person, robot, **given).run()
+        Dialogue(journal, person, film or film_reader(None), robot, **given).run()
         return person.heard, journal.session
 
 

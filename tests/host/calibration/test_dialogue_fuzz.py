@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 from calibration.conversations import Typist
+from serpenoid.commands.friction.calibrate_person import film_reader
 from serpenoid.session.folder import numbered_rows, read_session
 from serpenoid.session.journal import Journal
 from serpenoid.taking.dialogue import Dialogue
@@ -32,7 +33,7 @@ def talk(folder, lines):
     """Return what was heard; whatever was said to be kept is on the disk."""
     person = Typist(*lines)
     with Journal(folder) as journal:
-        Dialogue(journal, person).run()
+        Dialogue(journal, person, film_reader(None)).run()
     kept = [int(n) for n in re.findall(r"kept as reading (\d+)", person.heard)]
     there = list(numbered_rows(folder / "readings.csv", []))
     assert set(kept) <= set(there)

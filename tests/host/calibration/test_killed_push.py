@@ -37,7 +37,7 @@ def take(folder, path):
     """Take the file in as a step says it."""
     with Journal(folder) as journal:
         way = "there" if not journal.session.kept_pushes else "back"  # the next one of the plan
-        take_track(journal, path, "m", {"lambda_deg": 0.0, "way": way})
+        take_track(journal, path, "m", {"lambda_deg": 0.0, "way": way}, None, print)
     return [
         (p.way, p.voided, p.comment, p.track.sha256)
         for p in read_session(folder).readings_of("push")

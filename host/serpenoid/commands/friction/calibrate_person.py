@@ -60,7 +60,7 @@ def with_a_person(folder: Path, port: str | Link | None) -> None:
                 console.say(text)
                 shown.append(text)
 
-        dialogue = Dialogue(journal, console, robot, show_fit, film=film)
+        dialogue = Dialogue(journal, console, film, robot, show_fit)
         try:
             well = dialogue.run()
         finally:

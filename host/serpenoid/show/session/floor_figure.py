@@ -6,17 +6,30 @@ import itertools
 import math
 from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
 
-from ...friction.push_paths import push_paths
+from ...friction.fit import map_estimate
+from ...friction.pushes import Pushes
 from ...friction.result import FrictionFit
 from ...session.session import Session
 from ..plot import COLOURS, GREY, fit_heading
 
 
 def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> None:
-    """Draw ways over time with the law's line, and residuals; one colour a bend."""
-    paths = list(push_paths(session))
+    """Draw ways over time with the law's line, and residuals; one colour a bend.
+
+    Of a push that is known by its rest alone there is that one place.
+    """
+    estimate, paths = map_estimate(session), list[Any]()
+    for pushes in estimate.posterior.kinds:
+        if isinstance(pushes, Pushes):
+            laws = pushes.laws(estimate.values)[0]
+            parts = zip(session.kept_pushes, pushes.tracks, pushes.linear, laws, strict=True)
+            for push, track, linear, law in parts:
+                errors = track.residuals(np.concatenate([linear.start, law])[None])[0]
+                law_m = track.along_m + errors[: len(track.t_s)] * track.place_sigma_m
+                paths.append((push, track.t_s, track.along_m, law_m))
     bends = sorted({round(math.degrees(push.lambda_rad)) for push, *_ in paths})
     for bend, colour in zip(bends, itertools.cycle(COLOURS)):
         name = f"bend {bend}°" if bend else "straight"
