@@ -78,6 +78,16 @@ def _end(number: int, _frame: FrameType | None) -> None:
     raise _Signalled(128 + number)
 
 
+def _run() -> object:
+    """Run the command that was typed; a Ctrl-C that an import wraps into its error comes out."""
+    try:
+        return cli.main(standalone_mode=False)
+    except (ImportError, RuntimeError) as error:
+        if isinstance(error.__cause__, KeyboardInterrupt):
+            raise error.__cause__ from None
+        raise
+
+
 def main() -> None:
     """Run the command line: exit 0 done, 1 the work failed, 2 bad arguments, 130 interrupted.
 
@@ -92,13 +102,11 @@ def main() -> None:
             encoding = "utf-8" if system.WINDOWS else None
             stream.reconfigure(encoding=encoding, errors="replace")
     try:
-        status = cli.main(standalone_mode=False)
+        status = _run()
     except click.ClickException as error:
         say(f"serpenoid: {of_arguments(error)}", err=True)
         status = error.exit_code
-    except (click.Abort, KeyboardInterrupt, _Signalled, ImportError) as error:
-        if isinstance(error, ImportError) and not isinstance(error.__cause__, KeyboardInterrupt):
-            raise  # else Ctrl-C came while a compiled module was being imported
+    except (click.Abort, KeyboardInterrupt, _Signalled) as error:
         status = error.code if isinstance(error, _Signalled) else 130
         say("stopped", err=True)
         if threading.active_count() > 1:  # the core's loop cannot be ended, only left behind

@@ -35,6 +35,8 @@ def run_script(journal: Journal, path: Path, tell: Callable[[str], object]) -> i
     Raises BadInput, naming file and line.
     """
     top = Table.load(path)
+    if not {"reading", "simulated"} & set(top.values):
+        raise BadInput(f"{path}: a script has tables [[reading]], or one table [simulated]")
     top.check_keys("reading" if "reading" in top.values else "simulated")
     if "reading" in top.values:
         return _add_listed(journal, top)

@@ -76,7 +76,7 @@ main()
 """
 
 
-def test_ctrl_c_while_a_compiled_module_is_imported_is_no_traceback() -> None:
+def test_ctrl_c_while_a_module_is_imported_is_no_traceback() -> None:
     line = [sys.executable, "-c", INTERRUPTED_IMPORT, *f"simulate {GAIT}".split()]
     run = subprocess.run(line, capture_output=True, text=True, timeout=LONG_S, check=False)
     assert (run.returncode, run.stderr.strip()) == (130, "stopped")
