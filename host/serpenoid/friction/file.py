@@ -13,7 +13,6 @@ from typing import Any
 from ..base.checks import check_number
 from ..base.errors import BadInput
 from ..base.files import read_json, write_text
-from ..session.session import Session
 from .result import FrictionFit
 
 # Formats that are read: 2 had more draws, of what readings share, too; 1 had none.
@@ -104,11 +103,6 @@ def load_fit(path: str | Path) -> FrictionFit:
     return _with_age(fit, path)
 
 
-def rests_on(fit: FrictionFit, session: Session) -> bool:
-    """Return whether a fit is of the present readings of a session."""
-    return session.sha256 == fit.session_sha256
-
-
 def hash_of(values: Mapping[str, Any]) -> str:
     """Return the SHA-256 of a fit's values."""
     text = json.dumps(values, sort_keys=True, allow_nan=False)
@@ -134,7 +128,7 @@ def _with_age(fit: FrictionFit, path: Path) -> FrictionFit:
     if not (folder / "session.toml").exists():
         return fit
     with suppress(BadInput):  # Readings that cannot be read count as changed.
-        if rests_on(fit, load_session(folder)):
+        if fit.session_sha256 == load_session(folder).sha256:
             return fit
     alarm = f"{path} is older than the readings beside it: run `serpenoid fit {folder}` again."
     return replace(fit, notes=(*fit.notes, alarm), alarms=(*fit.alarms, alarm))

@@ -84,17 +84,13 @@ def speeds(samples: Samples, gait: Gait, commanded: Gait | None = None) -> Array
     draws = list(zip(2 * grounds, [gait] * count + moving_gaits, strict=True))
     states = drawn_states(robot, (samples.fit.ground, gait), draws)
     ideal_m_s = np.array([state.speed_m_s for state in states]).reshape(2, count)
-    friction_m_s, moved_m_s = ideal_m_s
-    joints_m_s = friction_m_s if commanded else moved_m_s
+    friction_m_s, joints_m_s = ideal_m_s[[0, 0]] if commanded else ideal_m_s
+    moved_m_s, moving = joints_m_s, states[count:]
     if samples.servos and commanded:
-        shares = drawn_servo_speeds(
-            states[count:], samples.servos, value=ripple_share, ends_only=True
-        )
+        shares = drawn_servo_speeds(moving, samples.servos, value=ripple_share, ends_only=True)
         moved_m_s = joints_m_s * shares
     elif samples.servos and not is_too_fast(gait, samples.kind):
-        moved_m_s = drawn_servo_speeds(states[count:], samples.servos, ends_only=True)
-    else:
-        moved_m_s = joints_m_s
+        moved_m_s = drawn_servo_speeds(moving, samples.servos, ends_only=True)
     return np.array([friction_m_s, joints_m_s, moved_m_s])
 
 
@@ -169,14 +165,9 @@ def predict(samples: Samples, gait: Gait, commanded: Gait | None = None) -> Spee
     return SpeedBand(gait, *values)
 
 
-def speed_band(
-    fit: FrictionFit,
-    gait: Gait,
-    count: int = SAMPLES,
-    servo: ServoKind | None = HOBBY,
-) -> SpeedBand:
+def speed_band(fit: FrictionFit, gait: Gait, servo: ServoKind | None = HOBBY) -> SpeedBand:
     """Return the speed of one gait with its band.
 
-    count: number of samples. servo: the kind of servo; None: ideal joints.
+    servo: the kind of servo; None: ideal joints.
     """
-    return predict(draw_samples(fit, servo, count=count), gait)
+    return predict(draw_samples(fit, servo), gait)

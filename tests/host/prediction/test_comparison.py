@@ -151,7 +151,7 @@ def test_a_gait_that_servos_cannot_follow_is_listed_without_a_verdict(fitted):
     words = "70°/75°, 2.01 Hz is too fast for a typical hobby servo: the joints must turn at 15 "
     assert words in result.verdict_text
     assert result.table(verbose=False)[1][1][1] == "too fast"
-    band = speed_band(fit, gait(12.6), count=16)
+    band = speed_band(fit, gait(12.6))
     assert band.in_words().startswith("Too fast for a typical hobby servo: ")
     assert band.to_dict()["low_m_s"] is None
     run = GaitRun(gait(1).alpha_rad, gait(1).beta_rad, 12.6, 0.01, 0.001)
