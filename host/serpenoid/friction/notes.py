@@ -11,6 +11,7 @@ import numpy as np
 
 from ..base.checks import count_text
 from ..base.errors import BadInput
+from ..model.unit_doubts import unit_doubts
 from ..session.session import Session, belt_note
 from .bends import BEND_ERROR
 from .parameters import ZERO, ZERO_SIGMA_RAD, Rows
@@ -145,7 +146,8 @@ def alarms_of(
 
 def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
     """Return what a reader of the numbers should know beside alarms."""
-    notes = []
+    doubts = unit_doubts(session.setup.robot, None)
+    notes = [f"By session.toml {doubt}." for doubt in doubts]
     if fit.dof <= 0:
         notes.append(
             f"{len(fit.residuals)} readings for 4 frictions leave no degree of freedom: nothing "

@@ -127,6 +127,11 @@ def test_a_number_may_have_its_unit_and_a_doubtful_mass_must(folder):
     assert "in kg it is 0.76" in new.stderr.lower()
 
 
+def test_a_fit_remarks_on_a_length_in_another_unit(folder):
+    rewrite(folder / "session.toml", "link_length_m = 0.076", "link_length_m = 3")
+    assert "session.toml a link is 3 m long" in sn.fit_friction(load_session(folder)).notes[0]
+
+
 def test_missing_and_empty_files_are_refused(folder, tmp_path):
     path = folder / "readings.csv"
     path.write_text(path.read_text().split("\n")[0] + "\n")
