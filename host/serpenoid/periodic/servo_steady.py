@@ -255,18 +255,17 @@ def drawn_servo_speeds(
     servos: Sequence[Servo],
     threads: int | None = None,
     value: Callable[[Steady, Servo, bool], float] = drawn_servo_speed,
-    ends_only: bool = False,
     progress: Progress | None = None,
     fine_count: int = 8,
 ) -> Array:
     """Return the speed of each draw with its servo, m/s, by rough states corrected by fine ones.
 
-    ideal: the draws with ideal joints. value: what is wanted in place of the speed. ends_only: the
-    ends of a band are wanted, so that the middle three quarters may stay rough. progress: called
-    with 1 after each rough state. A rough state costs a quarter of a fine one or less and is mostly
-    1 % off. The draws at both ends, which make the ends of a band, and six between are solved
-    finely. The median ratio there puts the others right. Where one would then still be off by more
-    than 15 % of the scatter of all, and of up to 16 draws, every one is solved finely.
+    ideal: the draws with ideal joints. value: what is wanted in place of the speed. progress:
+    called with 1 after each rough state. A rough state costs a quarter of a fine one or less and is
+    mostly 1 % off. fine_count: draws that are solved finely, those at both ends, which make the
+    ends of a band, and others between; 0: none. The median ratio there puts the others right. Where
+    one would then still be off by more than 15 % of the scatter of all, the eighth of the draws at
+    either end, and of few draws every one, is solved finely.
     """
 
     def solved(places: Sequence[int], rough: bool, progress: Progress | None = None) -> Array:
@@ -278,6 +277,8 @@ def drawn_servo_speeds(
     if len(servos) // 2 <= fine_count:
         return solved(indices, False)
     values = solved(indices, True, progress)
+    if not fine_count:
+        return values
     inside = np.linspace(1, len(servos) - 2, fine_count - 2).round().astype(int)
     order = np.argsort(values)
     picked = order[[0, *inside, -1]]
@@ -287,8 +288,7 @@ def drawn_servo_speeds(
     values[picked] = fine
     if doubtful:
         eighth = len(servos) // 8
-        ends = order[np.r_[:eighth, -eighth:0]] if ends_only else order
-        unsolved = np.setdiff1d(ends, picked)
+        unsolved = np.setdiff1d(order[np.r_[:eighth, -eighth:0]], picked)
         values[unsolved] = solved(unsolved.tolist(), False)
     return values
 
@@ -346,7 +346,6 @@ def with_servo(
         [ideal] * draws,
         servo.draws(draws),
         threads,
-        ends_only=True,
         progress=lambda _: tell(next(number), draws),
     )
     return replace(driven, samples_m_s=tuple(speeds.tolist()))

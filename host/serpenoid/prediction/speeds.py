@@ -15,7 +15,13 @@ from ..model.drives import Servo, ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.servo_steady import band, drawn_servo_speeds, ripple_share, servo_speed
+from ..periodic.servo_steady import (
+    band,
+    drawn_servo_speed,
+    drawn_servo_speeds,
+    ripple_share,
+    servo_speed,
+)
 from ..periodic.steady import drawn_states, steady_gait
 from ..servos.catalogue import HOBBY
 from ..servos.speed_limit import is_too_fast, too_fast_text
@@ -71,12 +77,15 @@ def draw_samples(
     return Samples(fit, kind, fit.sample_whole(count, seed), amplitude, servos)
 
 
-def speeds(samples: Samples, gait: Gait, commanded: Gait | None = None) -> Array:
+def speeds(
+    samples: Samples, gait: Gait, commanded: Gait | None = None, fine_count: int = 5
+) -> Array:
     """Return the speeds of one gait for each sample, m/s, (3, N).
 
     First row: only friction differs from sample to sample. Second row: the joints' amplitude too.
     Third row: the servos too, if they can follow. commanded: the commanded gait, if `gait` is how
     the joints moved in a film. The amplitude is then known, and of a servo only the ripple counts.
+    fine_count: as of `drawn_servo_speeds`.
     """
     robot, count = samples.fit.robot, len(samples.frictions)
     grounds = [ground_of(robot.links, row) for row in samples.frictions.tolist()]
@@ -85,13 +94,11 @@ def speeds(samples: Samples, gait: Gait, commanded: Gait | None = None) -> Array
     states = drawn_states(robot, (samples.fit.ground, gait), draws)
     ideal_m_s = np.array([state.speed_m_s for state in states]).reshape(2, count)
     friction_m_s, joints_m_s = ideal_m_s[[0, 0]] if commanded else ideal_m_s
-    moved_m_s, moving = joints_m_s, states[count:]
-    if samples.servos and commanded:
-        shares = drawn_servo_speeds(moving, samples.servos, value=ripple_share, ends_only=True)
-        moved_m_s = joints_m_s * shares
-    elif samples.servos and not is_too_fast(gait, samples.kind):
-        moved_m_s = drawn_servo_speeds(moving, samples.servos, ends_only=True)
-    return np.array([friction_m_s, joints_m_s, moved_m_s])
+    if not samples.servos or (not commanded and is_too_fast(gait, samples.kind)):
+        return np.array([friction_m_s, joints_m_s, joints_m_s])
+    value = ripple_share if commanded else drawn_servo_speed
+    moved = drawn_servo_speeds(states[count:], samples.servos, value=value, fine_count=fine_count)
+    return np.array([friction_m_s, joints_m_s, joints_m_s * moved if commanded else moved])
 
 
 @dataclass(frozen=True, eq=False)

@@ -97,7 +97,8 @@ def best_factors(
     """Return the factors on all friction, and on the amplitude, that explain the speeds best.
 
     gaits: each with its command where a film showed the joints, whose amplitude is then certain.
-    What a factor does to a speed is solved for with the fitted friction and the typical servo.
+    What a factor does to a speed is solved for with the fitted friction and the typical servo,
+    roughly: ratios of rough speeds are known to less than MODEL_SIGMA.
     """
     count, ones = 8, np.ones(8)
     factors = np.geomspace(0.4, 2.5, count), np.linspace(0.5, 1.3, count)
@@ -105,7 +106,7 @@ def best_factors(
     amplitude = np.concatenate([[1.0], ones, factors[1]])
     servos = (kind.servo,) * len(friction) if kind else ()
     samples = Samples(fit, kind, np.outer(friction, fit.values), amplitude, servos)
-    rows_m_s = [speeds(samples, gait, commanded)[2] for gait, commanded in gaits]
+    rows_m_s = [speeds(samples, gait, commanded, 0)[2] for gait, commanded in gaits]
     shares = np.array([row[1:] / max(row[0], 1e-9) for row in rows_m_s])
     return (
         _best(predicted, factors[0], shares[:, :count], seed),
