@@ -187,8 +187,9 @@ class ServoSteady(Result):
         derived = "low_m_s", "high_m_s", "joint_rate_over_no_load", "follows", "highest_hz"
         names = "name", *self.__match_args__[2:10], *derived
         values: dict[str, Any] = {name: getattr(self, name) for name in names}
-        has_band = not math.isnan(self.low_m_s)
-        return values if has_band else values | {"low_m_s": None, "high_m_s": None}
+        if math.isnan(self.low_m_s):
+            values |= {"low_m_s": None, "high_m_s": None}
+        return values
 
 
 def servo_state(

@@ -149,7 +149,7 @@ def test_a_table_beyond_the_model_gives_a_file_with_a_remark_or_none(
     assert sn.servo(out).remark == test["verdict"]
 
 
-def test_a_remark_goes_with_every_band(tmp_path: Path) -> None:
+def test_a_remark_goes_with_every_band(tmp_path):
     file, remark = tmp_path / "kind.toml", "The model does NOT describe its table."
     sn.save_servo(replace(sn.servo("SG90"), remark=remark), file)
     assert sn.servo(file).at_volts(5.0).remark == remark
