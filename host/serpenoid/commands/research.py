@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 @option(
     "--out", "folder", "Folder for figures and numbers.", type=directory, default=Path("bench-out")
 )
-@flag("--quick", "Three scenes and a coarse map: 15 seconds in place of four minutes.")
+@flag("--quick", "Three scenes and a coarse map: 15 seconds in place of three minutes.")
 def bench(folder: Path, quick: bool) -> None:
     """Compare every method with SciPy: error against run time, stability, and cost of each term.
 
