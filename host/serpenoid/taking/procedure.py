@@ -234,17 +234,18 @@ def _push(session: Session, bend_deg: float) -> Step | None:
     to_come = [key for key in keys if key not in session.skipped][len(done) :]
     if not to_come:
         return None
-    forward = sum(push.way == "there" for push in done)
-    way = WAYS[2 * forward > len(done)]
+    way = WAYS[2 * sum(push.way == "there" for push in done) > len(done)]
     push_words = (
         "Push it along its own axis, head first, at a brisk walk (0.9 m/s; straight it then rolls "
         "some 1 m), let go within a hand's breadth, and leave it until it rests. One film may hold "
         "all pushes of a bend, the robot turned round after each."
     )
-    how = "Turn the robot round first." if done else push_words
+    how = push_words
+    if done:
+        how = "For THERE its head points as at the first push, for BACK the other way."
     say = f"{to_come[0].capitalize()}, {way.upper()}. {how}"
-    fields = Push.questions("distance_m", "duration_s", "turned_deg")
-    return Step(to_come[0], "push", say, fields, bend_deg, cells={"way": way})
+    asked = "distance_m", "duration_s", "turned_deg"
+    return Step(to_come[0], "push", say, Push.questions(*asked), bend_deg, cells={"way": way})
 
 
 def next_incline_deg(session: Session, bend_deg: float) -> float | None:
