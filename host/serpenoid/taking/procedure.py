@@ -244,8 +244,8 @@ def _push(session: Session, bend_deg: float) -> Step | None:
     if done:
         how = "For THERE its head points as at the first push, for BACK the other way."
     say = f"{to_come[0].capitalize()}, {way.upper()}. {how}"
-    asked = "distance_m", "duration_s", "turned_deg"
-    return Step(to_come[0], "push", say, Push.questions(*asked), bend_deg, cells={"way": way})
+    columns = "distance_m", "duration_s", "turned_deg"
+    return Step(to_come[0], "push", say, Push.questions(*columns), bend_deg, cells={"way": way})
 
 
 def next_incline_deg(session: Session, bend_deg: float) -> float | None:
