@@ -8,7 +8,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # for a run as a script
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # A run as a script finds it there
 
 import numpy as np
 from avr.board import SERVO_PINS, Board, wired

@@ -68,7 +68,7 @@ def of_arguments(error: click.ClickException) -> str:
 def of_system(error: OSError) -> str:
     """Return what the system has against a file, as one line."""
     if isinstance(error, shutil.Error) and isinstance(error.args[0], list):
-        return str(error.args[0][0][2])  # of a tree's files, the first that failed
+        return str(error.args[0][0][2])  # The first file of a tree that failed
     if error.strerror is None:
         return str(error)
     name = error.filename if isinstance(error.filename, (str, bytes)) else ""

@@ -2,6 +2,11 @@
 
 Each candidate is added to the session at its expected value. The linearised posterior then gives
 the covariance that friction would have with it.
+
+Candidates are stations on a treadmill or pushes on a floor, a film if the session has films or
+tags, and a bench test if the servo was not measured. Stations that repeat a voided one, need a
+faster belt than the plan allows, or are steeper than both home treadmills and the steepest station
+taken are left out.
 """
 
 from __future__ import annotations
@@ -117,18 +122,12 @@ def advise(
 ) -> Advice:
     """Rank the readings that could be taken next by the reduction of the speed band a minute.
 
-    Candidates are stations on a treadmill or pushes on a floor, a film if the session has films or
-    tags, and a bench test if the servo was not measured. Stations that repeat a voided one, need a
-    faster belt than the plan allows, or are steeper than both home treadmills and the steepest
-    station taken are left out.
-
     Parameters
     ----------
     session
         The readings so far.
     gaits
-        The gaits whose speeds count: the planned ones unless given. Gaits too fast for the servo
-        are left out, and the note names them.
+        The gaits whose speeds count: the planned ones unless given; the note names too fast ones.
     samples
         Number of frictions sampled from the fit.
     servo
@@ -162,19 +161,17 @@ def advise(
     fit, estimate = fit_friction(session), map_estimate(session)
     servo = servo and driving(session.setup, servo)
     too_fast = [too_fast_text(gait, servo, gait_name(gait)) for gait in asked_gaits]
-    feasible_gaits = tuple(
-        gait for gait, text in zip(asked_gaits, too_fast, strict=True) if not text
-    )
-    if not feasible_gaits:
+    feasible = tuple(gait for gait, text in zip(asked_gaits, too_fast, strict=True) if not text)
+    if not feasible:
         raise BadInput(
             f"{session.where}: {' '.join(too_fast)} So no speed has a band to make narrower; name "
             "a slower gait"
         )
     drawn, parts = draw_samples(fit, servo, count=samples), list[tuple[Array, Array]]()
-    for gait in feasible_gaits:
+    for gait in feasible:
         parts.append(_slopes_and_half_widths(session, drawn, gait))
         if progress is not None:
-            progress(len(parts) / len(feasible_gaits))
+            progress(len(parts) / len(feasible))
     slopes, half_widths = map(np.array, zip(*parts, strict=True))
     by_friction, by_joints, complete, filmed = half_widths.T
     present_band = float(complete.mean())
@@ -202,7 +199,7 @@ def advise(
     by_film = any(push.source == "film" for push in session.kept_pushes)
     if by_film or session.kept_films or session.setup.robot_table.tag_side_m:
         words = "a film of the crawling robot (`serpenoid video`)"
-        minutes = MINUTES.film * len(feasible_gaits)
+        minutes = MINUTES.film * len(feasible)
         readings.append(NextReading("film", words, minutes, float(filmed.mean())))
     if not readings:
         raise BadInput(
@@ -213,9 +210,7 @@ def advise(
     worth_band = (1.0 - MIN_REDUCTION) * present_band
     readings.sort(key=lambda r: (r.band > worth_band, (r.band - present_band) / r.minutes))
     note = " ".join(filter(None, [servo.remark if servo else "", *too_fast]))
-    return Advice(
-        feasible_gaits, present_band, tuple(readings), note, servo and servo.name, fit.alarms
-    )
+    return Advice(feasible, present_band, tuple(readings), note, servo and servo.name, fit.alarms)
 
 
 def _slopes_and_half_widths(session: Session, samples: Samples, gait: Gait) -> tuple[Array, Array]:

@@ -195,7 +195,7 @@ class BeltCheck(Observation):
     )
 
     def __post_init__(self) -> None:
-        low, high = 0.5, 2.0  # beyond them a unit was mistaken
+        low, high = 0.5, 2.0  # Limits beyond which a unit was mistaken
         if not self.voided and not low < self.scale < high:
             raise BadInput(
                 f"the belt ran {self.scale:.3g} times as fast as it showed in reading "

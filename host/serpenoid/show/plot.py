@@ -51,7 +51,7 @@ def figure(
         "lines.linewidth": 1.8,
         "legend.frameon": False,
         "legend.fontsize": 8,
-        "svg.hashsalt": "serpenoid",  # the same picture has the same ids
+        "svg.hashsalt": "serpenoid",  # Ids that are the same in each drawing
     }
     with mpl.rc_context(style):
         drawn = Figure(figsize=(width_in, height_in))

@@ -59,7 +59,7 @@ def test_every_field_has_its_option(tmp_path: Path) -> None:
     fields |= {"joint_gain", "joint_shift_rad"}  # one value a joint: only in scene files and Python
     for kind in (sn.Scene, sn.Robot, sn.Ground, sn.Gait):
         names = {f.name for f in dataclasses.fields(kind)} - {"robot", "ground", "gait"}
-        names -= {"joint_gain", "joint_shift_rad"}  # as above
+        names -= {"joint_gain", "joint_shift_rad"}
         assert names <= fields, kind
     path = tmp_path / "scene.toml"
     # The implicit formulation on dry ground has no method with a tolerance.

@@ -115,4 +115,4 @@ def test_no_gait_of_the_grids_needs_less_power(kind: str, seed: int) -> None:
     if watts is not None:  # a coarse grid may miss every gait
         assert best is not None
         assert best.power_w - best.power_error_w <= watts * (1 + 1e-4)
-        assert best.power_w > 0.5 * watts  # the same quantity
+        assert best.power_w > 0.5 * watts

@@ -25,16 +25,16 @@ def sensitivities(*parts: Any) -> Any:
 
 @pytest.mark.parametrize("ground", [DRY, VISCOUS], ids=["dry", "viscous"])
 def test_the_speed_does_not_depend_on_the_unit_of_mass(ground: sn.Ground) -> None:
-    found = sensitivities(OF_2005, ground, GAIT)
-    percent = dict(zip(NUMBERS, found.percent, strict=True))
+    result = sensitivities(OF_2005, ground, GAIT)
+    percent = dict(zip(NUMBERS, result.percent, strict=True))
     together = percent["mass"] + percent["friction along"] + percent["friction across"]
-    assert together == pytest.approx(0, abs=found.errors.sum())
+    assert together == pytest.approx(0, abs=result.errors.sum())
 
 
 def test_the_speed_on_viscous_ground_is_proportional_to_the_length() -> None:
-    found = sensitivities(OF_2005, VISCOUS, GAIT)
-    assert found.percent[NUMBERS.index("length")] == pytest.approx(1, abs=1e-3)
-    assert not any(found.one_sided)
+    result = sensitivities(OF_2005, VISCOUS, GAIT)
+    assert result.percent[NUMBERS.index("length")] == pytest.approx(1, abs=1e-3)
+    assert not any(result.one_sided)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -44,26 +44,26 @@ def test_finite_differences_agree_within_the_errors(seed: int) -> None:
     along, dry_n = rng.uniform(0.02, 0.5), rng.uniform(0.02, 0.3)
     ground = sn.Ground(along, 6 * along, dry_n, 5 * dry_n)
     gait = sn.Gait(rng.uniform(0.4, 1.4), rng.uniform(0.8, 1.8), rng.uniform(1, 12))
-    found = sensitivities(robot, ground, gait)
+    result = sensitivities(robot, ground, gait)
     amplitudes = [replace(gait, alpha_rad=gait.alpha_rad * k) for k in (0.999, 1.0, 1.001)]
     slow, middle, fast = (
         sn.steady_gait(robot, ground, changed, rtol=1e-7).speed_m_s for changed in amplitudes
     )
     percent = (fast - slow) / middle / 2e-3
     k = NUMBERS.index("amplitude")
-    assert abs(found.percent[k] - percent) <= 2 * found.errors[k] + 1e-3
+    assert abs(result.percent[k] - percent) <= 2 * result.errors[k] + 1e-3
 
 
 def test_one_sided_sensitivities_are_shown() -> None:
     gait = sn.Gait.degrees(70, 75, hertz=0.6)
-    found = sensitivities(OF_2005, BINGHAM, gait)
+    result = sensitivities(OF_2005, BINGHAM, gait)
     base, less = (
         sn.steady_gait(OF_2005, BINGHAM, replace(gait, alpha_rad=gait.alpha_rad * k)).speed_m_s
         for k in (1.0, 0.99)
     )
     amplitude = NUMBERS.index("amplitude")
-    assert found.less[amplitude] == pytest.approx(100 * (1 - less / base), rel=1e-3)
-    row = next(line for line in str(found).splitlines() if "amplitude" in line)
+    assert result.less[amplitude] == pytest.approx(100 * (1 - less / base), rel=1e-3)
+    row = next(line for line in str(result).splitlines() if "amplitude" in line)
     assert "less +0.18, more -0.54" in row
 
 

@@ -16,7 +16,9 @@ from ..arrays import Array, Complex, Grey
 
 ALONG = np.linspace(0.1, 0.9, 13)  # Positions of the profiles along an edge, over its length.
 CELLS = 6  # Cells along a side of a tag, its black border included.
-ACROSS = np.linspace(-1.0, 1.0, 25)  # Positions across an edge where grey is read, over the reach.
+ACROSS = np.linspace(
+    -1.0, 1.0, 25
+)  # Positions across an edge where grey is read, over the half width of the window.
 
 
 @np.errstate(invalid="ignore", divide="ignore")  # edges that cannot be read give NaN
@@ -44,18 +46,18 @@ def _refined(picture: Grey, quads: Array) -> tuple[Array, Array]:
     # across an edge. Half a cell of border and rim is read; at most 8 px, so that points are less
     # than a pixel apart.
     area = 0.5 * np.abs(_cross(start, end).sum(axis=1, keepdims=True))
-    reach = np.minimum(0.5 / CELLS * area / np.maximum(np.abs(edge), 1e-6), 8.0)[..., None]
+    half_window = np.minimum(0.5 / CELLS * area / np.maximum(np.abs(edge), 1e-6), 8.0)[..., None]
     base = start[..., None] + ALONG * edge[..., None]
-    places = base[..., None] + (reach * ACROSS)[:, :, None] * outward[..., None, None]
+    places = base[..., None] + (half_window * ACROSS)[:, :, None] * outward[..., None, None]
     flat = np.stack([places.real, places.imag], axis=-1).reshape(len(quads) * 4, -1, 2)
     x, y = np.moveaxis(flat.astype(np.float32), -1, 0)
     grey = cv2.remap(picture, x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
     offset, width = _crossings(grey.reshape(places.shape).astype(float))
-    corners = _intersections(start, edge, outward, _lines(offset * reach))
+    corners = _intersections(start, edge, outward, _lines(offset * half_window))
     rows = len(quads), -1
-    widths = _median((width * reach).reshape(rows))
+    widths = _median((width * half_window).reshape(rows))
     is_read = np.isfinite(corners).all(axis=(1, 2))
-    is_read &= np.abs(corners - quads).max(axis=(1, 2)) < 2 * reach.max(axis=(1, 2))
+    is_read &= np.abs(corners - quads).max(axis=(1, 2)) < 2 * half_window.max(axis=(1, 2))
     # Edges whose rim is cut off by the picture cannot be read.
     in_picture = (flat >= 0) & (flat <= np.array(picture.shape[::-1]) - 1)
     is_read &= in_picture.reshape(rows).all(axis=1)
@@ -70,7 +72,7 @@ def _cross(a: Complex, b: Complex) -> Array:
 def _crossings(profile: Array) -> tuple[Array, Array]:
     """Return the positions where profiles (..., points) pass their middle, and the rises' widths.
 
-    Both are in units of the reach, and NaN where there is no edge.
+    Both are in units of the window's half width, and NaN where there is no edge.
     """
     dark, bright = profile[..., :3].mean(axis=-1), profile[..., -3:].mean(axis=-1)
     rise = bright - dark
